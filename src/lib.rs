@@ -1,0 +1,28 @@
+//! Firstlight: an ingest-while-render viewer for LAS/LAZ point clouds.
+//!
+//! The modules in the order that a point passes through them; nothing flows back but commands:
+//!
+//! ```text
+//! synth     writes test scans                               (LAS, LAZ)
+//! source    decoder threads → PointBatch → bounded channel  (knows files, no GPU)
+//! store     batches → random slots of a growing buffer      (permutation, insertion, pages)
+//! render    reproject → fresh → fill → index → resolve      (GPU and CPU backends, one frame plan)
+//! headless  the picture as a PNG, a report as JSON
+//! view      the picture in a window
+//! ```
+//!
+//! `scene` holds the words that all of them share.
+
+pub mod scene;
+
+pub mod synth;
+
+pub mod source;
+
+pub mod store;
+
+pub mod render;
+
+pub mod headless;
+
+pub mod view;

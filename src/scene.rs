@@ -1,0 +1,271 @@
+//! The words that every room shares: the integer grid, the batch, and what is known of a scene before
+//! its points arrive. Nothing here knows of files' formats or of a GPU.
+
+use std::path::PathBuf;
+
+use serde::Serialize;
+
+/// Most points that one [`PointBatch`] carries.
+pub const BATCH_POINTS: usize = 65_536;
+
+/// The integer grid that all positions of a scene lie on: `world = origin + scale * i`, per axis, in
+/// the unit of the file's coordinate system.
+///
+/// For a scene of one file, `scale` and `origin` are the header's own scale and offset, so that `i` is
+/// the record's X, Y, Z itself. Several files share the finest scale.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Grid {
+    pub scale: [f64; 3],
+    pub origin: [f64; 3],
+}
+
+impl Grid {
+    /// World coordinates of a grid position.
+    pub fn world(&self, i: [i32; 3]) -> [f64; 3] {
+        std::array::from_fn(|a| self.origin[a] + self.scale[a] * f64::from(i[a]))
+    }
+
+    /// World coordinates in (fractional) grid steps from the origin.
+    pub fn steps(&self, world: [f64; 3]) -> [f64; 3] {
+        std::array::from_fn(|a| (world[a] - self.origin[a]) / self.scale[a])
+    }
+}
+
+/// An axis-aligned box in world coordinates.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Bounds {
+    pub min: [f64; 3],
+    pub max: [f64; 3],
+}
+
+impl Bounds {
+    /// The smallest box around both.
+    pub fn union(&self, other: &Bounds) -> Bounds {
+        Bounds {
+            min: std::array::from_fn(|a| self.min[a].min(other.min[a])),
+            max: std::array::from_fn(|a| self.max[a].max(other.max[a])),
+        }
+    }
+
+    pub fn center(&self) -> [f64; 3] {
+        std::array::from_fn(|a| 0.5 * (self.min[a] + self.max[a]))
+    }
+
+    /// Length of the box's diagonal.
+    pub fn diagonal(&self) -> f64 {
+        (0..3).map(|a| (self.max[a] - self.min[a]).powi(2)).sum::<f64>().sqrt()
+    }
+
+    /// True if every number is finite and no side is turned inside out.
+    pub fn is_sane(&self) -> bool {
+        (0..3).all(|a| self.min[a].is_finite() && self.max[a].is_finite() && self.min[a] <= self.max[a])
+    }
+}
+
+/// A run of points in columns, the unit that decoder threads send. All columns have the same length,
+/// at most [`BATCH_POINTS`]; all points are of one file. The vectors are reused: [`PointBatch::clear`]
+/// keeps their memory.
+#[derive(Debug, Clone, Default)]
+pub struct PointBatch {
+    /// Index of the file in [`SceneFacts::files`].
+    pub file: u32,
+    /// Positions on the scene's [`Grid`].
+    pub positions: Vec<[i32; 3]>,
+    /// Red, green, blue, intensity as stored in the record (zero where the format has no such field).
+    pub colors: Vec<[u16; 4]>,
+    /// Record number: counted through all files of the scene in order, from 0.
+    pub records: Vec<u32>,
+    /// What this batch says of its file's colours.
+    pub stats: ColorStats,
+}
+
+impl PointBatch {
+    pub fn len(&self) -> usize {
+        self.positions.len()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.positions.is_empty()
+    }
+
+    /// Empties all columns and keeps their memory.
+    pub fn clear(&mut self) {
+        self.positions.clear();
+        self.colors.clear();
+        self.records.clear();
+        self.stats = ColorStats::default();
+    }
+}
+
+/// Number of bins of [`ColorStats::intensity`].
+pub const INTENSITY_BINS: usize = 256;
+
+/// What the points so far say about how a file stores colour; merging is associative and commutative.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ColorStats {
+    /// Largest of all red, green and blue values.
+    pub rgb_max: u16,
+    /// Largest intensity.
+    pub intensity_max: u16,
+    /// Sampled intensities, counted in logarithmic bins ([`intensity_bin`]).
+    pub intensity: Box<[u32; INTENSITY_BINS]>,
+    /// Range of the grid's third coordinate.
+    pub z_min: i32,
+    pub z_max: i32,
+}
+
+impl Default for ColorStats {
+    fn default() -> Self {
+        ColorStats {
+            rgb_max: 0,
+            intensity_max: 0,
+            intensity: Box::new([0; INTENSITY_BINS]),
+            z_min: i32::MAX,
+            z_max: i32::MIN,
+        }
+    }
+}
+
+impl ColorStats {
+    pub fn merge(&mut self, other: &ColorStats) {
+        self.rgb_max = self.rgb_max.max(other.rgb_max);
+        self.intensity_max = self.intensity_max.max(other.intensity_max);
+        for (a, b) in self.intensity.iter_mut().zip(other.intensity.iter()) {
+            *a += b;
+        }
+        self.z_min = self.z_min.min(other.z_min);
+        self.z_max = self.z_max.max(other.z_max);
+    }
+
+    /// How to colour the file, judged by all points so far: RGB if any channel of any point is not
+    /// zero (8-bit if no value exceeds 255: a 16-bit scan that dark would be black), else intensity
+    /// if any is not zero, else elevation.
+    pub fn rule(&self) -> ColorRule {
+        if self.rgb_max > 255 {
+            ColorRule::Rgb16
+        } else if self.rgb_max > 0 {
+            ColorRule::Rgb8
+        } else if self.intensity_max > 0 {
+            // The 1st and 99th percentile: one retro-reflector must not turn the rest black.
+            let total: u64 = self.intensity.iter().map(|&n| u64::from(n)).sum();
+            let value_at = |rank: u64| {
+                let mut seen = 0;
+                self.intensity.iter().position(|&n| {
+                    seen += u64::from(n);
+                    seen > rank
+                })
+            };
+            let low = value_at(total / 100).map_or(0, intensity_of_bin);
+            let high = value_at(total - total.div_ceil(100).min(total)).map_or(self.intensity_max, intensity_of_bin);
+            ColorRule::Intensity { low, high: high.max(low.saturating_add(1)) }
+        } else {
+            ColorRule::Elevation { low: self.z_min, high: self.z_max }
+        }
+    }
+}
+
+/// The bin that an intensity is counted in: exact below 32, then 16 bins per power of two.
+pub fn intensity_bin(value: u16) -> usize {
+    if value < 32 {
+        return usize::from(value);
+    }
+    let exponent = value.ilog2() as usize; // 5..=15
+    16 * (exponent - 3) + usize::from(value >> (exponent - 4)) - 16
+}
+
+/// The smallest intensity of a bin; the inverse of [`intensity_bin`].
+pub fn intensity_of_bin(bin: usize) -> u16 {
+    if bin < 32 {
+        return bin as u16;
+    }
+    let exponent = bin / 16 + 3;
+    ((16 + bin % 16) << (exponent - 4)) as u16
+}
+
+/// How a file's points get their colour.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ColorRule {
+    /// 16-bit RGB, shown by its upper eight bits.
+    Rgb16,
+    /// 8-bit values in the 16-bit fields.
+    Rgb8,
+    /// Grey, `low` black, `high` white.
+    Intensity { low: u16, high: u16 },
+    /// A colour ramp over the grid's third coordinate.
+    Elevation { low: i32, high: i32 },
+}
+
+/// What is known of a scene before its first point: everything the camera and the store need.
+#[derive(Debug, Clone)]
+pub struct SceneFacts {
+    pub grid: Grid,
+    /// Union of the headers' boxes. Only a promise: points may lie outside.
+    pub bounds: Bounds,
+    pub files: Vec<FileFacts>,
+}
+
+impl SceneFacts {
+    /// Sum of the points that the headers promise.
+    pub fn points_in_header(&self) -> u64 {
+        self.files.iter().map(|f| f.points_in_header).sum()
+    }
+}
+
+/// What the header of one file says, as far as rooms beyond `source` need it.
+#[derive(Debug, Clone)]
+pub struct FileFacts {
+    pub path: PathBuf,
+    /// Record number, in the scene, of the file's first point.
+    pub first_record: u32,
+    pub points_in_header: u64,
+    pub bounds: Bounds,
+    /// e.g. "LAZ 1.4, format 7".
+    pub kind: String,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn intensity_bins_are_monotone_and_invertible() {
+        let mut last = 0;
+        for value in 0..=u16::MAX {
+            let bin = intensity_bin(value);
+            assert!(bin == last || bin == last + 1, "value {value}: bin {bin} after {last}");
+            assert!(intensity_of_bin(bin) <= value);
+            assert_eq!(intensity_bin(intensity_of_bin(bin)), bin);
+            last = bin;
+        }
+        assert!(last < INTENSITY_BINS);
+    }
+
+    fn stats(rgb_max: u16, intensities: &[u16]) -> ColorStats {
+        let mut stats = ColorStats { rgb_max, ..Default::default() };
+        for &i in intensities {
+            stats.intensity[intensity_bin(i)] += 1;
+            stats.intensity_max = stats.intensity_max.max(i);
+        }
+        stats
+    }
+
+    #[test]
+    fn rule_follows_what_was_seen() {
+        assert_eq!(stats(255, &[]).rule(), ColorRule::Rgb8);
+        assert_eq!(stats(3000, &[]).rule(), ColorRule::Rgb16, "a dark 16-bit scan stays dark");
+        assert!(matches!(stats(0, &[0, 7]).rule(), ColorRule::Intensity { .. }));
+        assert!(matches!(stats(0, &[0]).rule(), ColorRule::Elevation { .. }));
+        let mut early = stats(200, &[]);
+        early.merge(&stats(60000, &[]));
+        assert_eq!(early.rule(), ColorRule::Rgb16, "later points overturn an early guess");
+    }
+
+    #[test]
+    fn one_bright_return_does_not_set_the_range() {
+        let mut values = vec![10; 5_000];
+        values.extend(vec![20; 5_000]);
+        values.push(60_000);
+        assert_eq!(stats(0, &values).rule(), ColorRule::Intensity { low: 10, high: 20 });
+    }
+}
