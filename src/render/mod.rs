@@ -1,1 +1,21 @@
-//! TODO
+//! From points in random slots to a picture: reproject, fresh, fill, index build, resolve.
+//!
+//! [`Progressive`] decides what each frame draws; a [`Backend`] draws it. Every pixel is one 64-bit
+//! word, depth (the bits of a positive f32) in the upper half and slot in the lower; the smallest word
+//! wins, so the order in which points arrive cannot change a picture.
+
+mod backend;
+mod budget;
+mod camera;
+mod color;
+mod cpu;
+mod gpu;
+mod progressive;
+
+pub use backend::{Backend, BackendInfo, FramePlan, PassTimes, Picture, Raster, RenderError, Shading};
+pub use budget::{BudgetController, FillBudget};
+pub use camera::{Camera, CameraError, Projected, View};
+pub use color::{FileColor, elevation_ramp};
+pub use cpu::CpuBackend;
+pub use gpu::{GpuBackend, RasterChoice};
+pub use progressive::{FrameReport, FrameRequest, INSERTION_POINTS, Progressive, StoreOptions};

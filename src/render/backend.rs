@@ -1,0 +1,167 @@
+//! What a backend must be able to do; [`super::Progressive`] decides what it does in which frame.
+
+use std::ops::Range;
+
+use serde::Serialize;
+
+use super::{camera::View, color::FileColor};
+use crate::{scene::PointBatch, store::Insertion};
+
+/// A way to turn points into pixels. All of them give the same words, see [`Picture`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Raster {
+    /// Compute shader, 64-bit `atomicMin` of depth and slot.
+    Compute,
+    /// Compute shader, two passes of 32-bit `atomicMin`: depth, then slot.
+    Compute32,
+    /// Point-list draws with the depth test, then the slots of the points that passed it.
+    Hardware,
+    /// The kernels' twins, on the processor.
+    Cpu,
+}
+
+impl std::fmt::Display for Raster {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Raster::Compute => "compute",
+            Raster::Compute32 => "compute32",
+            Raster::Hardware => "hardware",
+            Raster::Cpu => "cpu",
+        })
+    }
+}
+
+/// Who draws.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BackendInfo {
+    /// e.g. "NVIDIA H200", "llvmpipe (LLVM 15.0.6, 256 bits)", "2 processor threads".
+    pub adapter: String,
+    /// "vulkan", "metal", "dx12" or "cpu".
+    pub api: String,
+    pub driver: String,
+    pub raster: Raster,
+}
+
+/// All that one frame draws, in order: clear, reproject, fresh, fill, index build, resolve.
+#[derive(Debug, Clone)]
+pub struct FramePlan {
+    pub view: View,
+    /// Draw the slots that were visible in the last frame.
+    pub reproject: bool,
+    /// Draw the points inserted since the last frame.
+    pub fresh: bool,
+    /// Slots to draw besides.
+    pub fill: [Range<u32>; 2],
+    pub shading: Shading,
+    /// Colour rule of each file, in order of their first records.
+    pub files: Vec<FileColor>,
+}
+
+/// How visible points become a picture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Shading {
+    /// Strength of eye-dome lighting (Boucheny 2009); 0 turns it off.
+    pub edl_strength: f32,
+    /// Red, green, blue where no point is.
+    pub background: [u8; 3],
+}
+
+impl Default for Shading {
+    fn default() -> Self {
+        Shading { edl_strength: 0.4, background: [24, 28, 34] }
+    }
+}
+
+/// Seconds that the passes of one frame took on the device.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct PassTimes {
+    pub insert: f64,
+    pub reproject: f64,
+    pub fresh: f64,
+    pub fill: f64,
+    pub index: f64,
+    pub resolve: f64,
+    /// Points that `fill` drew.
+    pub fill_points: u32,
+}
+
+impl PassTimes {
+    pub fn total(&self) -> f64 {
+        self.insert + self.reproject + self.fresh + self.fill + self.index + self.resolve
+    }
+}
+
+/// A frame brought back from the backend; row by row from the top, `width * height` each.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Picture {
+    pub width: u32,
+    pub height: u32,
+    pub rgba: Vec<[u8; 4]>,
+    /// Record number of the point that the pixel shows, −1 for background.
+    pub records: Vec<i64>,
+    /// Distance along the viewing direction in the file's unit, +∞ for background.
+    pub depth: Vec<f32>,
+}
+
+/// Why a backend could not do its work.
+#[derive(Debug, Clone, thiserror::Error)]
+pub enum RenderError {
+    #[error("no GPU adapter found{0}")]
+    NoAdapter(String),
+    #[error("the {adapter} cannot run the {raster} rasterizer: it lacks {missing}")]
+    Unsupported { adapter: String, raster: Raster, missing: String },
+    #[error("{width}x{height} pixels are more than this device can hold ({limit} pixels); choose a smaller --size")]
+    TooManyPixels { width: u32, height: u32, limit: u64 },
+    #[error("out of memory after {stored} points ({detail}); the points so far are shown")]
+    OutOfMemory { stored: u64, detail: String },
+    #[error("the GPU stopped working: {0}")]
+    DeviceLost(String),
+}
+
+/// Stores points and draws frames.
+pub trait Backend {
+    fn info(&self) -> &BackendInfo;
+
+    /// Empties the store. `points` are to be expected (a hint for the size of pages).
+    fn reset(&mut self, points: u64);
+
+    /// Most insertions that may happen between two frames.
+    fn insertions_per_frame(&self) -> usize;
+
+    /// Inserts a batch. Its points are *fresh* until the next frame.
+    fn insert(&mut self, insertion: &Insertion, points: &PointBatch) -> Result<(), RenderError>;
+
+    /// Draws a frame of `plan.view.width` × `plan.view.height` pixels.
+    fn draw(&mut self, plan: &FramePlan) -> Result<(), RenderError>;
+
+    /// Times of the latest frame that the device has finished, if it can tell; each is returned once.
+    fn pass_times(&mut self) -> Option<PassTimes>;
+
+    /// Waits for the last frame and brings it back.
+    fn read(&mut self) -> Result<Picture, RenderError>;
+}
+
+impl<B: Backend + ?Sized> Backend for Box<B> {
+    fn info(&self) -> &BackendInfo {
+        (**self).info()
+    }
+    fn reset(&mut self, points: u64) {
+        (**self).reset(points);
+    }
+    fn insertions_per_frame(&self) -> usize {
+        (**self).insertions_per_frame()
+    }
+    fn insert(&mut self, insertion: &Insertion, points: &PointBatch) -> Result<(), RenderError> {
+        (**self).insert(insertion, points)
+    }
+    fn draw(&mut self, plan: &FramePlan) -> Result<(), RenderError> {
+        (**self).draw(plan)
+    }
+    fn pass_times(&mut self) -> Option<PassTimes> {
+        (**self).pass_times()
+    }
+    fn read(&mut self) -> Result<Picture, RenderError> {
+        (**self).read()
+    }
+}

@@ -1,0 +1,197 @@
+//! The camera, and the numbers that a kernel needs of it.
+
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+use crate::scene::{Bounds, Grid};
+
+/// A right-handed perspective camera in the coordinates of the file. In the picture, x goes right and
+/// y down; a point belongs to the pixel `floor((ndc * 0.5 + 0.5) * size)`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Camera {
+    pub eye: [f64; 3],
+    pub target: [f64; 3],
+    #[serde(default = "up")]
+    pub up: [f64; 3],
+    /// Vertical field of view, degrees.
+    #[serde(default = "fov_y_deg")]
+    pub fov_y_deg: f64,
+}
+
+fn up() -> [f64; 3] {
+    [0.0, 0.0, 1.0]
+}
+
+fn fov_y_deg() -> f64 {
+    60.0
+}
+
+/// Why a camera cannot be used.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum CameraError {
+    #[error("camera: expected finite numbers, found {0}")]
+    NotFinite(&'static str),
+    #[error("camera: eye and target are the same point")]
+    NoDirection,
+    #[error("camera: fov_y_deg must be above 0 and below 180, found {0}")]
+    FieldOfView(f64),
+    #[error("camera: the eye is {0:.0e} grid steps from the scene's origin; at most 1e13 are supported")]
+    TooFar(f64),
+}
+
+/// Fractions of a grid step that the eye is rounded to. A scan shifted by a whole number of steps,
+/// seen by a camera shifted alike, then gives the same numbers to the last bit although its f64
+/// coordinates round differently (at 5,000 km in millimetres an f64 resolves 10⁻⁶ steps).
+const EYE_SUBSTEPS: f64 = 4096.0;
+
+impl Camera {
+    /// Looks at the whole box from the south and above, so that all of it is in the picture. The eye
+    /// and the target lie on the grid.
+    pub fn fit(bounds: &Bounds, grid: &Grid, aspect: f64) -> Camera {
+        Camera::fit_from(bounds, grid, aspect, DVec3::new(0.35, -1.0, 0.75))
+    }
+
+    /// As [`Camera::fit`], from the direction `from` (from the target towards the eye).
+    pub fn fit_from(bounds: &Bounds, grid: &Grid, aspect: f64, from: DVec3) -> Camera {
+        let fov_y_deg = fov_y_deg();
+        let on_grid = |p: [f64; 3]| {
+            let steps = grid.steps(p);
+            std::array::from_fn(|a| grid.origin[a] + grid.scale[a] * steps[a].round())
+        };
+        let target = on_grid(bounds.center());
+        let forward = -from.normalize();
+        let up = up_for(forward, DVec3::Z);
+        let right = forward.cross(up).normalize();
+        let true_up = right.cross(forward);
+        let tan_y = (0.5 * fov_y_deg.to_radians()).tan();
+        let mut distance: f64 = 0.0;
+        for corner in 0..8 {
+            let at = DVec3::from_array(std::array::from_fn(|a| {
+                (if corner >> a & 1 == 0 { bounds.min[a] } else { bounds.max[a] }) - target[a]
+            }));
+            let along = forward.dot(at);
+            distance = distance.max(right.dot(at).abs() / (tan_y * aspect) - along);
+            distance = distance.max(true_up.dot(at).abs() / tan_y - along);
+        }
+        // A scene of a single point still needs a direction to look along.
+        let smallest_step = grid.scale.iter().copied().fold(f64::INFINITY, f64::min);
+        let distance = (1.02 * distance).max(100.0 * smallest_step);
+        let eye = on_grid((DVec3::from_array(target) - distance * forward).to_array());
+        Camera { eye, target, up: up.to_array().map(round_unit), fov_y_deg }
+    }
+
+    /// What the kernels need to project this scene's points to `size` pixels.
+    pub fn view(&self, grid: &Grid, size: [u32; 2], point_size: u32) -> Result<View, CameraError> {
+        for (name, v) in [("eye", self.eye), ("target", self.target), ("up", self.up)] {
+            if !v.iter().all(|x| x.is_finite()) {
+                return Err(CameraError::NotFinite(name));
+            }
+        }
+        if !(self.fov_y_deg > 0.0 && self.fov_y_deg < 180.0) {
+            return Err(CameraError::FieldOfView(self.fov_y_deg));
+        }
+        let snap = |p: [f64; 3]| grid.steps(p).map(|s| (s * EYE_SUBSTEPS).round() / EYE_SUBSTEPS);
+        let (eye, target) = (snap(self.eye), snap(self.target));
+        let farthest = eye.iter().fold(0.0_f64, |m, s| m.max(s.abs()));
+        if farthest > 1e13 {
+            return Err(CameraError::TooFar(farthest));
+        }
+        let scale = DVec3::from_array(grid.scale);
+        let forward = (DVec3::from_array(target) - DVec3::from_array(eye)) * scale;
+        if forward.length() == 0.0 {
+            return Err(CameraError::NoDirection);
+        }
+        let forward = forward.normalize();
+        let right = forward.cross(up_for(forward, DVec3::from_array(self.up))).normalize();
+        let down = forward.cross(right);
+        let focal = 1.0 / (0.5 * self.fov_y_deg.to_radians()).tan();
+        let aspect = f64::from(size[0]) / f64::from(size[1]);
+        let row_w = forward * scale;
+        // No grid position is farther than this, so depth * depth_scale stays below one.
+        let reach: f64 = (0..3).map(|a| row_w[a].abs() * (2f64.powi(31) + eye[a].abs())).sum();
+        let row = |v: DVec3, last: f32| [v.x as f32, v.y as f32, v.z as f32, last];
+        let whole = eye.map(f64::floor);
+        Ok(View {
+            row_x: row(right * scale * (focal / aspect), 0.0),
+            row_y: row(down * scale * focal, 0.0),
+            row_w: row(row_w, 2f64.powi(-(reach.log2().ceil() as i32 + 1)) as f32),
+            eye_high: std::array::from_fn(|a| ((whole[a] as i64) >> 16) as i32),
+            width: size[0],
+            eye_low: std::array::from_fn(|a| (whole[a] as i64 & 0xffff) as i32),
+            height: size[1],
+            eye_fraction: std::array::from_fn(|a| (eye[a] - whole[a]) as f32),
+            point_size,
+        })
+    }
+}
+
+/// `up` unless it is (nearly) the viewing direction; then another axis.
+fn up_for(forward: DVec3, up: DVec3) -> DVec3 {
+    [up.normalize_or_zero(), DVec3::Y, DVec3::X]
+        .into_iter()
+        .find(|candidate| forward.cross(*candidate).length() > 1e-6)
+        .expect("three axes cannot all be parallel to one direction")
+}
+
+fn round_unit(x: f64) -> f64 {
+    if x.abs() < 1e-12 { 0.0 } else { x }
+}
+
+/// A camera in numbers for the kernels. Layout shared with `shaders/project.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct View {
+    /// Clip-space x per grid step; the fourth number is unused.
+    pub row_x: [f32; 4],
+    /// Clip-space y (down) per grid step; the fourth number is unused.
+    pub row_y: [f32; 4],
+    /// Depth, in the file's unit, per grid step; the fourth number is a power of two that takes every
+    /// depth below one (for the depth texture of the hardware rasterizer).
+    pub row_w: [f32; 4],
+    /// The eye's whole grid position is `eye_high * 65536 + eye_low`.
+    pub eye_high: [i32; 3],
+    pub width: u32,
+    pub eye_low: [i32; 3],
+    pub height: u32,
+    /// Rest of the eye's position, in grid steps, from 0 to 1.
+    pub eye_fraction: [f32; 3],
+    /// Width of a point, pixels.
+    pub point_size: u32,
+}
+
+/// Where a point falls.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Projected {
+    /// Column and row of the upper left pixel of the point's square; may be outside of the picture
+    /// by up to `point_size - 1`.
+    pub corner: [i32; 2],
+    /// Distance along the viewing direction, in the file's unit.
+    pub depth: f32,
+}
+
+impl View {
+    /// Twin of `project` in `shaders/project.wgsl`: `None` behind the eye or outside of the picture.
+    pub fn project(&self, position: [i32; 3]) -> Option<Projected> {
+        // The upper and lower 16 bits are subtracted as integers, so that no difference overflows,
+        // however far the eye is, and the only rounding is that of the sum.
+        let d: [f32; 3] = std::array::from_fn(|a| {
+            let high = ((position[a] >> 16) - self.eye_high[a]) as f32;
+            let low = ((position[a] & 0xffff) - self.eye_low[a]) as f32;
+            (high * 65536.0 + low) - self.eye_fraction[a]
+        });
+        let dot = |row: &[f32; 4]| (row[0] * d[0] + row[1] * d[1]) + row[2] * d[2];
+        let depth = dot(&self.row_w);
+        if !(depth > 0.0) {
+            return None;
+        }
+        let half = 0.5 * (self.point_size - 1) as f32;
+        let x = (dot(&self.row_x) / depth * 0.5 + 0.5) * self.width as f32 - half;
+        let y = (dot(&self.row_y) / depth * 0.5 + 0.5) * self.height as f32 - half;
+        let edge = -(self.point_size as f32) + 1.0;
+        if !(x >= edge && x < self.width as f32 && y >= edge && y < self.height as f32) {
+            return None;
+        }
+        Some(Projected { corner: [x.floor() as i32, y.floor() as i32], depth })
+    }
+}

@@ -1,0 +1,97 @@
+//! Attributes to colour: per file a rule, shared with the resolve kernel.
+
+use crate::scene::ColorRule;
+
+/// A file's colour rule. Layout shared with `shaders/resolve.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct FileColor {
+    /// Record number of the file's first point.
+    pub first_record: u32,
+    /// 0: 16-bit RGB, 1: 8-bit RGB, 2: intensity, 3: elevation.
+    pub kind: u32,
+    /// Range that is shown: of the intensity, or of the grid's third coordinate (as i32).
+    pub low: u32,
+    pub high: u32,
+}
+
+impl FileColor {
+    pub fn new(first_record: u32, rule: ColorRule) -> FileColor {
+        let (kind, low, high) = match rule {
+            ColorRule::Rgb16 => (0, 0, 0),
+            ColorRule::Rgb8 => (1, 0, 0),
+            ColorRule::Intensity { low, high } => (2, low.into(), high.into()),
+            ColorRule::Elevation { low, high } => (3, low.cast_unsigned(), high.cast_unsigned()),
+        };
+        FileColor { first_record, kind, low, high }
+    }
+
+    /// Red, green, blue of a point with these attributes. Twin of `point_color` in
+    /// `shaders/resolve.wgsl`. `ramp` is [`elevation_ramp`].
+    pub fn color(&self, attributes: [u16; 4], z: i32, ramp: &[[u8; 4]; 256]) -> [u8; 3] {
+        let [r, g, b, intensity] = attributes;
+        match self.kind {
+            0 => [r, g, b].map(|c| (c >> 8) as u8),
+            1 => [r, g, b].map(|c| (c & 255) as u8),
+            2 => [level(u32::from(intensity).saturating_sub(self.low), self.high - self.low); 3],
+            _ => {
+                let (low, high) = (self.low.cast_signed(), self.high.cast_signed());
+                let above = z.max(low).wrapping_sub(low).cast_unsigned();
+                let [r, g, b, _] = ramp[usize::from(level(above, high.wrapping_sub(low).cast_unsigned()))];
+                [r, g, b]
+            }
+        }
+    }
+}
+
+/// `above / range` as 0 to 255; 0 for an empty range.
+fn level(above: u32, range: u32) -> u8 {
+    if range == 0 {
+        return 0;
+    }
+    ((above as f32 / range as f32).min(1.0) * 255.0 + 0.5) as u8
+}
+
+/// Colours for elevation, low to high: viridis (Smith & van der Walt 2015) through nine of its
+/// colours, even in lightness and readable by the colour-blind. Red, green, blue, 255.
+pub fn elevation_ramp() -> [[u8; 4]; 256] {
+    const STOPS: [[f32; 3]; 9] = [
+        [68.0, 1.0, 84.0],
+        [71.0, 44.0, 122.0],
+        [59.0, 81.0, 139.0],
+        [44.0, 113.0, 142.0],
+        [33.0, 144.0, 141.0],
+        [39.0, 173.0, 129.0],
+        [92.0, 200.0, 99.0],
+        [170.0, 220.0, 50.0],
+        [253.0, 231.0, 37.0],
+    ];
+    std::array::from_fn(|i| {
+        let at = i as f32 / 255.0 * (STOPS.len() - 1) as f32;
+        let stop = (at as usize).min(STOPS.len() - 2);
+        let t = at - stop as f32;
+        let channel = |c: usize| (STOPS[stop][c] * (1.0 - t) + STOPS[stop + 1][c] * t).round() as u8;
+        [channel(0), channel(1), channel(2), 255]
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_rule_colours_as_it_says() {
+        let ramp = elevation_ramp();
+        let color = |rule, attributes, z| FileColor::new(0, rule).color(attributes, z, &ramp);
+        assert_eq!(color(ColorRule::Rgb16, [0x1234, 0xff00, 0, 9], 0), [0x12, 0xff, 0]);
+        assert_eq!(color(ColorRule::Rgb8, [0x34, 0xff, 0, 9], 0), [0x34, 0xff, 0]);
+        let grey = ColorRule::Intensity { low: 100, high: 300 };
+        assert_eq!(color(grey, [0, 0, 0, 50], 0), [0; 3]);
+        assert_eq!(color(grey, [0, 0, 0, 200], 0), [128; 3]);
+        assert_eq!(color(grey, [0, 0, 0, 9999], 0), [255; 3]);
+        let height = ColorRule::Elevation { low: i32::MIN, high: i32::MAX };
+        assert_eq!(color(height, [0; 4], i32::MIN), [68, 1, 84]);
+        assert_eq!(color(height, [0; 4], i32::MAX), [253, 231, 37]);
+        assert_eq!(color(ColorRule::Elevation { low: 5, high: 5 }, [0; 4], 5), [68, 1, 84]);
+    }
+}

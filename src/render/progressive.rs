@@ -1,0 +1,285 @@
+//! Progressive rendering, the same for every backend: batches in, frames out.
+
+use std::{collections::VecDeque, sync::Arc};
+
+use serde::Serialize;
+
+use super::{
+    backend::{Backend, FramePlan, Picture, RenderError, Shading},
+    budget::{BudgetController, FillBudget},
+    camera::View,
+    color::FileColor,
+};
+use crate::{
+    scene::{ColorStats, PointBatch, SceneFacts},
+    store::{Coverage, Insertion},
+};
+
+/// Points that enter the store at a time. Larger ones cost fewer look-ups per visible point and
+/// second, smaller ones show sooner: at 65,536 a LAZ file is seen after its first two chunks.
+pub const INSERTION_POINTS: u32 = 65_536;
+
+/// Slots are 32-bit numbers, and the last one means "no point".
+const MAX_POINTS: u64 = u32::MAX as u64;
+
+/// How the store is to be filled; fixes the slot of every point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct StoreOptions {
+    pub seed: u64,
+    /// Points per insertion (the last one of a scene may be smaller).
+    pub insertion_points: u32,
+    /// Store no more than this many points.
+    pub max_points: u64,
+}
+
+impl Default for StoreOptions {
+    fn default() -> Self {
+        StoreOptions { seed: 1, insertion_points: INSERTION_POINTS, max_points: MAX_POINTS }
+    }
+}
+
+/// What a frame is to show.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FrameRequest {
+    pub view: View,
+    pub fill: FillBudget,
+    pub shading: Shading,
+}
+
+/// What a frame did.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct FrameReport {
+    /// False if nothing had changed, so that nothing was drawn.
+    pub drawn: bool,
+    pub points_stored: u64,
+    /// Points that were tried since the view last changed; all of them: the picture has converged.
+    pub points_tried: u64,
+    /// Points that the fill tried in this frame.
+    pub fill: u32,
+}
+
+impl FrameReport {
+    /// The picture equals that of all points stored.
+    pub fn is_converged(&self) -> bool {
+        self.points_tried == self.points_stored
+    }
+}
+
+/// A scene that grows while it is drawn.
+pub struct Progressive<B> {
+    backend: B,
+    options: StoreOptions,
+    scene: Option<Arc<SceneFacts>>,
+    stats: Vec<ColorStats>,
+    /// Batches not yet (wholly) staged; of the first, `taken` points are.
+    queue: VecDeque<PointBatch>,
+    taken: usize,
+    spent: Vec<PointBatch>,
+    staged: PointBatch,
+    input_ended: bool,
+    insertions: u64,
+    stored: u32,
+    coverage: Coverage,
+    budget: BudgetController,
+    last_view: Option<View>,
+    last_shading: Option<Shading>,
+}
+
+impl<B: Backend> Progressive<B> {
+    pub fn new(backend: B, options: StoreOptions) -> Self {
+        assert!(options.insertion_points > 0);
+        Progressive {
+            backend,
+            options,
+            scene: None,
+            stats: Vec::new(),
+            queue: VecDeque::new(),
+            taken: 0,
+            spent: Vec::new(),
+            staged: PointBatch::default(),
+            input_ended: false,
+            insertions: 0,
+            stored: 0,
+            coverage: Coverage::default(),
+            budget: BudgetController::default(),
+            last_view: None,
+            last_shading: None,
+        }
+    }
+
+    pub fn backend(&self) -> &B {
+        &self.backend
+    }
+
+    pub fn backend_mut(&mut self) -> &mut B {
+        &mut self.backend
+    }
+
+    pub fn scene(&self) -> Option<&Arc<SceneFacts>> {
+        self.scene.as_ref()
+    }
+
+    /// Starts a scene; an earlier one is dropped.
+    pub fn open(&mut self, scene: Arc<SceneFacts>) {
+        self.backend.reset(scene.points_in_header().min(self.options.max_points));
+        self.stats = vec![ColorStats::default(); scene.files.len()];
+        self.scene = Some(scene);
+        self.spent.extend(self.queue.drain(..));
+        self.taken = 0;
+        self.staged.clear();
+        self.input_ended = false;
+        self.insertions = 0;
+        self.stored = 0;
+        self.coverage = Coverage::default();
+        self.last_view = None;
+    }
+
+    /// True if the next frame could insert more points than are waiting.
+    pub fn wants_points(&self) -> bool {
+        !self.is_full()
+            && self.waiting() < u64::from(self.options.insertion_points) * self.backend.insertions_per_frame() as u64
+    }
+
+    /// Points offered and not yet inserted.
+    pub fn waiting(&self) -> u64 {
+        let queued: usize = self.queue.iter().map(PointBatch::len).sum();
+        (queued - self.taken + self.staged.len()) as u64
+    }
+
+    /// True if the store holds as many points as it may.
+    pub fn is_full(&self) -> bool {
+        u64::from(self.stored) >= self.options.max_points.min(MAX_POINTS)
+    }
+
+    /// Queues a batch for the next frames.
+    pub fn offer(&mut self, batch: PointBatch) {
+        self.queue.push_back(batch);
+    }
+
+    /// Says that no more batches follow, so that the points left over may enter as a smaller insertion.
+    pub fn end_of_input(&mut self) {
+        self.input_ended = true;
+    }
+
+    /// Batches whose memory may be used again.
+    pub fn spent(&mut self) -> impl Iterator<Item = PointBatch> + '_ {
+        self.spent.drain(..)
+    }
+
+    pub fn points_stored(&self) -> u64 {
+        self.stored.into()
+    }
+
+    pub fn insertions(&self) -> u64 {
+        self.insertions
+    }
+
+    /// True once all input has entered the store.
+    pub fn is_loaded(&self) -> bool {
+        (self.input_ended && self.waiting() == 0) || self.is_full()
+    }
+
+    /// Draws the next frame, if anything changed since the last.
+    pub fn frame(&mut self, request: &FrameRequest) -> Result<FrameReport, RenderError> {
+        let view_changed = self.last_view != Some(request.view);
+        if view_changed {
+            self.coverage.restart();
+        }
+        if let FillBudget::Target(secs) = request.fill
+            && let Some(times) = self.backend.pass_times()
+        {
+            self.budget.learn(&times, secs);
+        }
+        let inserted = self.insert_waiting()?;
+        let complete = self.coverage.is_complete(self.stored);
+        if !view_changed && inserted == 0 && complete && self.last_shading == Some(request.shading) {
+            return Ok(self.report(false, 0));
+        }
+        let fill = self.coverage.advance(self.stored, self.budget.points(request.fill));
+        let filled = fill.iter().map(|r| r.end - r.start).sum();
+        // The index list of a picture of another size is of no use.
+        let same_size = |last: &View| (last.width, last.height) == (request.view.width, request.view.height);
+        let reproject = self.last_view.as_ref().is_some_and(same_size);
+        self.draw(request, reproject, true, fill)?;
+        Ok(self.report(true, filled))
+    }
+
+    /// Draws all points stored, without regard to what was visible before.
+    pub fn brute_force(&mut self, request: &FrameRequest) -> Result<FrameReport, RenderError> {
+        self.insert_waiting()?;
+        self.coverage = Coverage::default();
+        let fill = self.coverage.advance(self.stored, self.stored);
+        self.draw(request, false, false, fill)?;
+        Ok(self.report(true, self.stored))
+    }
+
+    /// Brings the last frame back.
+    pub fn read(&mut self) -> Result<Picture, RenderError> {
+        self.backend.read()
+    }
+
+    fn draw(
+        &mut self,
+        request: &FrameRequest,
+        reproject: bool,
+        fresh: bool,
+        fill: [std::ops::Range<u32>; 2],
+    ) -> Result<(), RenderError> {
+        let files = self.scene.iter().flat_map(|scene| &scene.files);
+        let files =
+            files.zip(&self.stats).map(|(file, stats)| FileColor::new(file.first_record, stats.rule())).collect();
+        let plan = FramePlan { view: request.view, reproject, fresh, fill, shading: request.shading, files };
+        self.backend.draw(&plan)?;
+        self.last_view = Some(request.view);
+        self.last_shading = Some(request.shading);
+        Ok(())
+    }
+
+    fn report(&self, drawn: bool, fill: u32) -> FrameReport {
+        FrameReport { drawn, points_stored: self.stored.into(), points_tried: self.coverage.tried().into(), fill }
+    }
+
+    /// Inserts what waits, as far as one frame may; returns the number of points.
+    fn insert_waiting(&mut self) -> Result<u32, RenderError> {
+        let mut inserted = 0;
+        for _ in 0..self.backend.insertions_per_frame() {
+            let count = self.stage();
+            if count == 0 {
+                break;
+            }
+            let insertion = Insertion::new(self.stored, count, self.options.seed, self.insertions);
+            self.backend.insert(&insertion, &self.staged)?;
+            self.staged.clear();
+            self.coverage.note_inserted(self.stored, count);
+            self.stored += count;
+            self.insertions += 1;
+            inserted += count;
+        }
+        Ok(inserted)
+    }
+
+    /// Moves points from the queue until they make an insertion; returns its size, 0 if there are not
+    /// enough yet.
+    fn stage(&mut self) -> u32 {
+        let room = self.options.max_points.min(MAX_POINTS) - u64::from(self.stored);
+        let wanted = u64::from(self.options.insertion_points).min(room) as usize;
+        while self.staged.len() < wanted
+            && let Some(batch) = self.queue.front()
+        {
+            let end = batch.len().min(self.taken + wanted - self.staged.len());
+            self.staged.positions.extend_from_slice(&batch.positions[self.taken..end]);
+            self.staged.colors.extend_from_slice(&batch.colors[self.taken..end]);
+            self.staged.records.extend_from_slice(&batch.records[self.taken..end]);
+            self.taken = end;
+            if end == batch.len()
+                && let Some(batch) = self.queue.pop_front()
+            {
+                self.stats[batch.file as usize].merge(&batch.stats);
+                self.spent.push(batch);
+                self.taken = 0;
+            }
+        }
+        let complete = self.staged.len() == wanted || (self.input_ended && self.queue.is_empty());
+        if complete { self.staged.len() as u32 } else { 0 }
+    }
+}
