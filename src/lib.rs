@@ -11,9 +11,11 @@
 //! view      the picture in a window
 //! ```
 //!
-//! `scene` holds the words that all of them share.
+//! `scene` holds the words that all of them share; `gpu` is what every GPU pass stands on.
 
 pub mod scene;
+
+pub mod gpu;
 
 pub mod synth;
 
