@@ -5,10 +5,11 @@ use std::{path::PathBuf, sync::Arc};
 
 use firstlight::{
     render::{
-        Backend, Camera, CpuBackend, FillBudget, FrameRequest, GpuBackend, Picture, Progressive, RasterChoice, Shading,
-        StoreOptions,
+        Backend, Camera, CpuBackend, FileColor, FillBudget, FramePlan, FrameRequest, GpuBackend, Picture, Progressive,
+        RasterChoice, Shading, StoreOptions,
     },
-    scene::{Bounds, ColorStats, FileFacts, Grid, PointBatch, SceneFacts},
+    scene::{Bounds, ColorRule, ColorStats, FileFacts, Grid, PointBatch, SceneFacts},
+    store::Insertion,
 };
 
 const RASTERS: [RasterChoice; 3] = [RasterChoice::Compute, RasterChoice::Compute32, RasterChoice::Hardware];
@@ -121,6 +122,48 @@ fn check(r: Run, page_points: Option<u32>) {
         let expected: Vec<u8> = cpu.rgba.iter().flatten().copied().collect();
         let off = colors.iter().zip(&expected).filter(|(a, b)| a.abs_diff(**b) > 1).count();
         assert!(off * 100 <= n, "{raster:?}: {off} channels off by more than one level");
+    }
+}
+
+/// The insertion kernels against their twin, slot for slot.
+#[test]
+fn insertion_equals_its_twin() {
+    let batches: [u32; 14] = [1, 1, 2, 31, 32, 33, 255, 256, 257, 1, 4097, 65_536, 70_000, 3];
+    for page_points in [None, Some(64), Some(4097)] {
+        let Some(mut backend) = gpu(RasterChoice::Compute) else { return };
+        // Pages of 64 points would be thousands at the larger sizes.
+        let batches = if page_points == Some(64) { &batches[..11] } else { &batches[..] };
+        let total: u32 = batches.iter().sum();
+        backend.store_mut().set_page_points(page_points);
+        backend.reset(total.into());
+        let points = cloud(total);
+        let mut expected: Vec<u32> = Vec::new();
+        let camera = Camera::fit(&facts(1).bounds, &facts(1).grid, 1.0);
+        for (index, &new) in batches.iter().enumerate() {
+            let old = expected.len() as u32;
+            let insertion = Insertion::new(old, new, 3, index as u64);
+            let range = old as usize..(old + new) as usize;
+            let batch = PointBatch {
+                positions: points.positions[range.clone()].to_vec(),
+                colors: points.colors[range.clone()].to_vec(),
+                records: points.records[range.clone()].to_vec(),
+                ..Default::default()
+            };
+            backend.insert(&insertion, &batch).unwrap();
+            let plan = FramePlan {
+                view: camera.view(&facts(1).grid, [64, 64], 1).unwrap(),
+                reproject: true,
+                fresh: true,
+                fill: [0..0, 0..0],
+                shading: Shading::default(),
+                files: vec![FileColor::new(0, ColorRule::Rgb16)],
+            };
+            backend.draw(&plan).unwrap();
+            insertion.apply(&mut expected, &points.records[range], &insertion.moved_to());
+            let records = backend.store_mut().read_records().unwrap();
+            assert!(records[..expected.len()] == expected, "pages {page_points:?}, batch {index} of {new} points");
+        }
+        assert_ne!(expected, points.records, "the comparison can fail: this is not the order of arrival");
     }
 }
 

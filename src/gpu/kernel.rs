@@ -1,5 +1,7 @@
 //! Bind groups, pipelines and dispatches in few words.
 
+use crate::render::RenderError;
+
 /// Threads in a workgroup of every kernel, as `GROUP` in `shaders/group.wgsl`.
 pub const GROUP: u32 = 256;
 
@@ -134,4 +136,39 @@ pub fn dispatch(pass: &mut wgpu::ComputePass<'_>, threads: u32) {
     if x > 0 {
         pass.dispatch_workgroups(x, y, 1);
     }
+}
+
+/// Waits for the device and brings a buffer of 32-bit words back.
+pub fn read_words(device: &wgpu::Device, queue: &wgpu::Queue, buffer: &wgpu::Buffer) -> Result<Vec<u32>, RenderError> {
+    let encoder = device.create_command_encoder(&Default::default());
+    let [words] = read_all(device, queue, encoder, [buffer])?;
+    Ok(words)
+}
+
+/// Submits the encoder's commands, waits for the device, and brings buffers of 32-bit words back.
+pub fn read_all<const N: usize>(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    mut encoder: wgpu::CommandEncoder,
+    buffers: [&wgpu::Buffer; N],
+) -> Result<[Vec<u32>; N], RenderError> {
+    let staging = buffers.map(|source| {
+        let usage = wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ;
+        let staging = buffer(device, "readback", source.size(), usage);
+        encoder.copy_buffer_to_buffer(source, 0, &staging, 0, None);
+        staging
+    });
+    queue.submit([encoder.finish()]);
+    for buffer in &staging {
+        // A failure shows when the mapped range is asked for.
+        buffer.map_async(wgpu::MapMode::Read, .., |_| {});
+    }
+    let lost = |error: &dyn std::fmt::Display| RenderError::DeviceLost(error.to_string());
+    device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| lost(&error))?;
+    let mut all = [const { Vec::new() }; N];
+    for (words, buffer) in all.iter_mut().zip(&staging) {
+        let bytes = buffer.get_mapped_range(..).map_err(|error| lost(&error))?;
+        *words = bytemuck::cast_slice(&bytes).to_vec();
+    }
+    Ok(all)
 }

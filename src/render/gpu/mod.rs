@@ -233,6 +233,6 @@ impl Backend for GpuBackend {
         };
         let mut encoder = self.device.create_command_encoder(&Default::default());
         self.resolve.record_identify(&self.device, &mut encoder, targets, &self.store.pages);
-        targets.read(&self.device, encoder, &self.queue)
+        targets.read(&self.device, &self.queue, encoder)
     }
 }

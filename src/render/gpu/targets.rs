@@ -77,47 +77,26 @@ impl Targets {
         self.size[0] * self.size[1]
     }
 
-    /// Waits for the device and brings the frame back; `records` must have been filled.
+    /// Submits the encoder's commands, waits for the device and brings the frame back; `records` must
+    /// be filled then.
     pub fn read(
         &self,
         device: &wgpu::Device,
-        mut encoder: wgpu::CommandEncoder,
         queue: &wgpu::Queue,
+        encoder: wgpu::CommandEncoder,
     ) -> Result<Picture, RenderError> {
-        let parts = [&self.words, &self.picture, &self.records];
-        let staging: Vec<wgpu::Buffer> = parts
-            .iter()
-            .map(|part| {
-                let usage = BufferUsages::COPY_DST | BufferUsages::MAP_READ;
-                let staging = kernel::buffer(device, "readback", part.size(), usage);
-                encoder.copy_buffer_to_buffer(part, 0, &staging, 0, None);
-                staging
-            })
-            .collect();
-        queue.submit([encoder.finish()]);
-        for buffer in &staging {
-            // A failure shows when the mapped range is asked for.
-            buffer.map_async(wgpu::MapMode::Read, .., |_| {});
-        }
-        device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| RenderError::DeviceLost(error.to_string()))?;
-        let bytes =
-            |i: usize| staging[i].get_mapped_range(..).map_err(|error| RenderError::DeviceLost(error.to_string()));
-        let (words, picture, records) = (bytes(0)?, bytes(1)?, bytes(2)?);
-        let words: &[[u32; 2]] = bytemuck::cast_slice(&words);
+        let [words, picture, records] =
+            kernel::read_all(device, queue, encoder, [&self.words, &self.picture, &self.records])?;
         let is_background = |word: &[u32; 2]| word[0] == u32::MAX;
+        let words: &[[u32; 2]] = bytemuck::cast_slice(&words);
+        let record = |(word, &record)| if is_background(word) { -1 } else { i64::from(record) };
+        let depth = |word| if is_background(word) { f32::INFINITY } else { f32::from_bits(word[1]) };
         Ok(Picture {
             width: self.size[0],
             height: self.size[1],
             rgba: bytemuck::cast_slice(&picture).to_vec(),
-            records: words
-                .iter()
-                .zip(bytemuck::cast_slice::<u8, u32>(&records))
-                .map(|(word, &record)| if is_background(word) { -1 } else { i64::from(record) })
-                .collect(),
-            depth: words
-                .iter()
-                .map(|word| if is_background(word) { f32::INFINITY } else { f32::from_bits(word[1]) })
-                .collect(),
+            records: words.iter().zip(&records).map(record).collect(),
+            depth: words.iter().map(depth).collect(),
         })
     }
 }

@@ -229,6 +229,16 @@ impl GpuStore {
         kernel::dispatch(pass, self.fresh_points);
     }
 
+    /// Record number of the point in each slot of the pages, in order; waits for the device. Slots
+    /// beyond the points stored hold zeros.
+    pub fn read_records(&self) -> Result<Vec<u32>, RenderError> {
+        let mut records = Vec::new();
+        for page in self.pages.iter() {
+            records.extend(kernel::read_words(&self.device, &self.queue, &page.records)?);
+        }
+        Ok(records)
+    }
+
     /// After a frame: its fresh points are drawn.
     pub fn forget_fresh(&mut self) {
         self.fresh_points = 0;

@@ -20,6 +20,8 @@ const MIN_PAGE_POINTS: u32 = 65_536;
 pub struct Page {
     pub first: u32,
     pub len: u32,
+    /// Record number of each point.
+    pub records: wgpu::Buffer,
     /// Everything, for the kernels that move points.
     pub bind_all: wgpu::BindGroup,
     /// Positions alone, for the rasterizers.
@@ -117,6 +119,7 @@ impl Pages {
             bind_all: kernel::bind_buffers(device, "page", &self.layout_all, &all),
             bind_positions: kernel::bind_buffers(device, "page positions", &self.layout_positions, &all[..2]),
             bind_resolve: kernel::bind_buffers(device, "page attributes", &self.layout_resolve, &all),
+            records,
         }
     }
 }
