@@ -1,5 +1,5 @@
 // A keyed permutation of [0, old + new). Twin: src/store/permutation.rs.
-const ROUNDS: u32 = 6u;
+const ROUNDS: u32 = 8u;
 
 struct Insertion {
     // Points in the store before, and points that enter.
@@ -7,7 +7,7 @@ struct Insertion {
     new_points: u32,
     left_bits: u32,
     right_bits: u32,
-    // Six keys and two unused words.
+    // One key for each round.
     keys: array<vec4<u32>, 2>,
     // Fresh slots of earlier insertions in this frame.
     fresh_before: u32,

@@ -8,7 +8,7 @@ pub use lists::{DISPATCH_ARGUMENTS, SlotLists};
 pub use pages::{Page, Pages};
 use wgpu::BufferUsages;
 
-use super::Insertion;
+use super::{Insertion, ROUNDS};
 use crate::{
     gpu::{
         kernel::{self, Binding},
@@ -33,7 +33,7 @@ pub struct InsertionUniform {
     pub new_points: u32,
     pub left_bits: u32,
     pub right_bits: u32,
-    pub keys: [u32; 8],
+    pub keys: [u32; ROUNDS],
     pub fresh_before: u32,
     pub staging_capacity: u32,
     pub unused_a: u32,
@@ -169,7 +169,7 @@ impl GpuStore {
             new_points: insertion.new,
             left_bits,
             right_bits,
-            keys: std::array::from_fn(|i| keys.get(i).copied().unwrap_or(0)),
+            keys,
             fresh_before: self.fresh_points,
             staging_capacity: scratch.capacity,
             unused_a: 0,
