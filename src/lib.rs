@@ -12,9 +12,11 @@
 //! cli       what the user typed → one of these
 //! ```
 //!
-//! `scene` holds the words that all of them share.
+//! `scene` holds the words that all of them share; `gpu` is what every GPU pass stands on.
 
 pub mod scene;
+
+pub mod gpu;
 
 pub mod synth;
 
