@@ -182,7 +182,8 @@ impl View {
         });
         let dot = |row: &[f32; 4]| (row[0] * d[0] + row[1] * d[1]) + row[2] * d[2];
         let depth = dot(&self.row_w);
-        if !(depth > 0.0) {
+        // Not a number is no place either.
+        if depth.is_nan() || depth <= 0.0 {
             return None;
         }
         let half = 0.5 * (self.point_size - 1) as f32;

@@ -11,11 +11,13 @@ mod color;
 mod cpu;
 mod gpu;
 mod progressive;
+mod shading;
 
 pub use backend::{Backend, BackendInfo, FramePlan, PassTimes, Picture, Raster, RenderError, Shading};
 pub use budget::{BudgetController, FillBudget};
 pub use camera::{Camera, CameraError, Projected, View};
 pub use color::{FileColor, elevation_ramp};
 pub use cpu::CpuBackend;
-pub use gpu::{GpuBackend, RasterChoice};
+pub use gpu::{GpuBackend, RasterChoice, ShadingUniform};
 pub use progressive::{FrameReport, FrameRequest, INSERTION_POINTS, Progressive, StoreOptions};
+pub use shading::{EDL_GAIN, edl_neighbours, edl_shade};

@@ -77,6 +77,8 @@ pub struct Progressive<B> {
     spent: Vec<PointBatch>,
     staged: PointBatch,
     input_ended: bool,
+    /// The device has no room for more points.
+    exhausted: bool,
     insertions: u64,
     stored: u32,
     coverage: Coverage,
@@ -99,6 +101,7 @@ impl<B: Backend> Progressive<B> {
             spent: Vec::new(),
             staged: PointBatch::default(),
             input_ended: false,
+            exhausted: false,
             insertions: 0,
             stored: 0,
             coverage: Coverage::default(),
@@ -130,6 +133,7 @@ impl<B: Backend> Progressive<B> {
         self.taken = 0;
         self.staged.clear();
         self.input_ended = false;
+        self.exhausted = false;
         self.insertions = 0;
         self.stored = 0;
         self.coverage = Coverage::default();
@@ -148,9 +152,9 @@ impl<B: Backend> Progressive<B> {
         (queued - self.taken + self.staged.len()) as u64
     }
 
-    /// True if the store holds as many points as it may.
+    /// True if the store holds as many points as it may, or as the device's memory does.
     pub fn is_full(&self) -> bool {
-        u64::from(self.stored) >= self.options.max_points.min(MAX_POINTS)
+        self.exhausted || u64::from(self.stored) >= self.options.max_points.min(MAX_POINTS)
     }
 
     /// Queues a batch for the next frames.
@@ -187,6 +191,9 @@ impl<B: Backend> Progressive<B> {
     }
 
     /// Draws the next frame, if anything changed since the last.
+    ///
+    /// [`RenderError::OutOfMemory`] is returned once: what is stored stays, [`Progressive::is_full`]
+    /// becomes true, and later frames go on with the points that are there.
     pub fn frame(&mut self, request: &FrameRequest) -> Result<FrameReport, RenderError> {
         let view_changed = self.last_view != Some(request.view);
         if view_changed {
@@ -256,7 +263,12 @@ impl<B: Backend> Progressive<B> {
                 break;
             }
             let insertion = Insertion::new(self.stored, count, self.options.seed, self.insertions);
-            self.backend.insert(&insertion, &self.staged)?;
+            if let Err(error) = self.backend.insert(&insertion, &self.staged) {
+                if matches!(error, RenderError::OutOfMemory { .. }) {
+                    self.stop_loading();
+                }
+                return Err(error);
+            }
             self.staged.clear();
             self.coverage.note_inserted(self.stored, count);
             self.stored += count;
@@ -266,14 +278,32 @@ impl<B: Backend> Progressive<B> {
         Ok(inserted)
     }
 
+    /// Keeps what is stored and drops what waits. Insertions of this frame have not been drawn yet,
+    /// so the next frame must not take the picture for complete.
+    fn stop_loading(&mut self) {
+        self.exhausted = true;
+        self.staged.clear();
+        self.spent.extend(self.queue.drain(..));
+        self.taken = 0;
+        self.last_shading = None;
+    }
+
     /// Moves points from the queue until they make an insertion; returns its size, 0 if there are not
     /// enough yet.
     fn stage(&mut self) -> u32 {
+        if self.exhausted {
+            return 0;
+        }
         let room = self.options.max_points.min(MAX_POINTS) - u64::from(self.stored);
         let wanted = u64::from(self.options.insertion_points).min(room) as usize;
         while self.staged.len() < wanted
             && let Some(batch) = self.queue.front()
         {
+            if self.taken == 0 {
+                // Before its first point is seen: of a batch that is cut by `max_points`, all of what
+                // it says of the colours counts.
+                self.stats[batch.file as usize].merge(&batch.stats);
+            }
             let end = batch.len().min(self.taken + wanted - self.staged.len());
             self.staged.positions.extend_from_slice(&batch.positions[self.taken..end]);
             self.staged.colors.extend_from_slice(&batch.colors[self.taken..end]);
@@ -282,7 +312,6 @@ impl<B: Backend> Progressive<B> {
             if end == batch.len()
                 && let Some(batch) = self.queue.pop_front()
             {
-                self.stats[batch.file as usize].merge(&batch.stats);
                 self.spent.push(batch);
                 self.taken = 0;
             }

@@ -1,0 +1,192 @@
+//! The CPU backend: the kernels' twins, each in a file named as its shader, together a renderer for
+//! machines without a GPU. Twins are written from the design and the paper, not from the WGSL, and no
+//! result depends on the number of threads.
+
+mod index;
+mod raster;
+mod resolve;
+mod store;
+mod threads;
+
+use std::{sync::atomic::AtomicU64, thread::available_parallelism, time::Instant};
+
+use self::{resolve::Resolved, store::PointStore, threads::map_parts};
+use super::{Backend, BackendInfo, FramePlan, PassTimes, Picture, Raster, RenderError, elevation_ramp};
+use crate::{scene::PointBatch, store::Insertion};
+
+/// The word of a pixel that no point covers.
+const BACKGROUND: u64 = u64::MAX;
+
+/// Largest picture. A pixel takes 20 bytes here, and as much again in a [`Picture`].
+const MAX_PIXELS: u64 = 1 << 28;
+
+/// Smallest shares of work that are worth a thread (starting one takes some 20 µs).
+const POINTS_PER_THREAD: usize = 4096;
+const PIXELS_PER_THREAD: usize = 16_384;
+
+/// Stores points in memory and draws frames on the processor.
+pub struct CpuBackend {
+    info: BackendInfo,
+    threads: usize,
+    store: PointStore,
+    /// Slots that the last frame shows, each once.
+    visible: Vec<u32>,
+    /// Slots of the points inserted since the last frame.
+    fresh: Vec<u32>,
+    relocation: bool,
+    width: u32,
+    height: u32,
+    /// Per pixel: depth in the upper, slot in the lower half.
+    words: Vec<AtomicU64>,
+    resolved: Resolved,
+    ramp: [[u8; 4]; 256],
+    /// Seconds that insertions took since the last frame.
+    insert_secs: f64,
+    times: Option<PassTimes>,
+}
+
+impl CpuBackend {
+    /// `threads`: by default one per core.
+    pub fn new(threads: Option<usize>) -> CpuBackend {
+        let threads = threads.unwrap_or_else(|| available_parallelism().map_or(1, usize::from)).max(1);
+        let adapter = format!("CPU, {threads} {}", if threads == 1 { "thread" } else { "threads" });
+        CpuBackend {
+            info: BackendInfo { adapter, api: "cpu".into(), driver: String::new(), raster: Raster::Cpu },
+            threads,
+            store: PointStore::default(),
+            visible: Vec::new(),
+            fresh: Vec::new(),
+            relocation: true,
+            width: 0,
+            height: 0,
+            words: Vec::new(),
+            resolved: Resolved::default(),
+            ramp: elevation_ramp(),
+            insert_secs: 0.0,
+            times: None,
+        }
+    }
+
+    /// Switches off the `moved_to` look-up of points whose slots are taken over (or on again). For
+    /// measuring what the look-up is worth: without it, a picture loses points while a file loads.
+    pub fn set_relocation(&mut self, on: bool) {
+        self.relocation = on;
+    }
+
+    /// Makes the picture `width` × `height`, all background.
+    fn clear(&mut self, width: u32, height: u32) -> Result<(), RenderError> {
+        let pixels = u64::from(width) * u64::from(height);
+        let refusal = || RenderError::TooManyPixels { width, height, limit: MAX_PIXELS };
+        if pixels > MAX_PIXELS {
+            return Err(refusal());
+        }
+        let pixels = pixels as usize;
+        if self.words.len() != pixels {
+            self.words = Vec::new();
+            self.words.try_reserve_exact(pixels).map_err(|_| refusal())?;
+            self.words.resize_with(pixels, AtomicU64::default);
+            self.resolved.resize(pixels).map_err(|_| refusal())?;
+        }
+        (self.width, self.height) = (width, height);
+        for word in &mut self.words {
+            *word.get_mut() = BACKGROUND;
+        }
+        Ok(())
+    }
+
+    /// Draws the points in these slots.
+    fn draw_slots(&self, plan: &FramePlan, slots: &[u32]) {
+        map_parts(self.threads, slots.len(), POINTS_PER_THREAD, |part| {
+            for &slot in &slots[part] {
+                raster::draw_point(&self.words, &plan.view, slot, self.store.positions[slot as usize]);
+            }
+        });
+    }
+}
+
+impl Backend for CpuBackend {
+    fn info(&self) -> &BackendInfo {
+        &self.info
+    }
+
+    fn reset(&mut self, _points: u64) {
+        // No memory is set aside for the points announced: a header may promise any number of them.
+        self.store = PointStore::default();
+        self.visible = Vec::new();
+        self.fresh = Vec::new();
+        self.insert_secs = 0.0;
+        self.times = None;
+    }
+
+    fn insertions_per_frame(&self) -> usize {
+        8
+    }
+
+    fn insert(&mut self, insertion: &Insertion, points: &PointBatch) -> Result<(), RenderError> {
+        let start = Instant::now();
+        let out_of_memory = |e: std::collections::TryReserveError| RenderError::OutOfMemory {
+            stored: insertion.old.into(),
+            detail: e.to_string(),
+        };
+        self.fresh.try_reserve(points.len()).map_err(out_of_memory)?;
+        let lists: [&mut [u32]; 2] =
+            if self.relocation { [&mut self.visible, &mut self.fresh] } else { Default::default() };
+        let targets = self.store.insert(insertion, points, lists, self.threads).map_err(out_of_memory)?;
+        self.fresh.extend(targets);
+        self.insert_secs += start.elapsed().as_secs_f64();
+        Ok(())
+    }
+
+    fn draw(&mut self, plan: &FramePlan) -> Result<(), RenderError> {
+        let mut last = Instant::now();
+        let mut lap = || std::mem::replace(&mut last, Instant::now()).elapsed().as_secs_f64();
+        let mut times = PassTimes { insert: std::mem::take(&mut self.insert_secs), ..Default::default() };
+
+        self.clear(plan.view.width, plan.view.height)?;
+        if plan.reproject {
+            self.draw_slots(plan, &self.visible);
+        }
+        times.reproject = lap();
+        if plan.fresh {
+            self.draw_slots(plan, &self.fresh);
+        }
+        self.fresh.clear();
+        times.fresh = lap();
+        for range in &plan.fill {
+            times.fill_points += range.end - range.start;
+            let positions = &self.store.positions[range.start as usize..range.end as usize];
+            map_parts(self.threads, positions.len(), POINTS_PER_THREAD, |part| {
+                for (slot, &position) in (range.start + part.start as u32..).zip(&positions[part]) {
+                    raster::draw_point(&self.words, &plan.view, slot, position);
+                }
+            });
+        }
+        times.fill = lap();
+        index::build(&mut self.visible, &self.words, &plan.view, self.threads);
+        times.index = lap();
+        self.resolved.resolve(plan, &self.words, &self.store, &self.ramp, self.threads);
+        times.resolve = lap();
+        self.times = Some(times);
+        Ok(())
+    }
+
+    fn pass_times(&mut self) -> Option<PassTimes> {
+        self.times.take()
+    }
+
+    fn read(&mut self) -> Result<Picture, RenderError> {
+        let depth_of = |word: &mut AtomicU64| match *word.get_mut() {
+            BACKGROUND => f32::INFINITY,
+            word => raster::depth(word),
+        };
+        let depth: Vec<f32> = self.words.iter_mut().map(depth_of).collect();
+        let record_of = |(&record, depth): (&u32, &f32)| if depth.is_finite() { i64::from(record) } else { -1 };
+        Ok(Picture {
+            width: self.width,
+            height: self.height,
+            rgba: self.resolved.rgba.clone(),
+            records: self.resolved.records.iter().zip(&depth).map(record_of).collect(),
+            depth,
+        })
+    }
+}

@@ -1,0 +1,123 @@
+//! Words to colours. Twin of `shaders/resolve.wgsl`.
+
+use std::{
+    collections::TryReserveError,
+    sync::atomic::{AtomicU64, Ordering::Relaxed},
+    thread,
+};
+
+use super::{BACKGROUND, PIXELS_PER_THREAD, raster, store::PointStore};
+use crate::render::{FileColor, FramePlan, shading};
+
+/// What the window shows, and the record of each pixel's point: slots lose their meaning with the
+/// next insertion.
+#[derive(Default)]
+pub struct Resolved {
+    pub rgba: Vec<[u8; 4]>,
+    /// 0 for background.
+    pub records: Vec<u32>,
+    /// Binary logarithm of the depth, +∞ for background: eye-dome lighting needs each nine times.
+    log_depth: Vec<f32>,
+}
+
+impl Resolved {
+    pub fn resize(&mut self, pixels: usize) -> Result<(), TryReserveError> {
+        *self = Resolved::default();
+        self.rgba.try_reserve_exact(pixels)?;
+        self.rgba.resize(pixels, [0; 4]);
+        self.records.try_reserve_exact(pixels)?;
+        self.records.resize(pixels, 0);
+        self.log_depth.try_reserve_exact(pixels)?;
+        self.log_depth.resize(pixels, f32::INFINITY);
+        Ok(())
+    }
+
+    /// Colours the picture in `words`.
+    pub fn resolve(
+        &mut self,
+        plan: &FramePlan,
+        words: &[AtomicU64],
+        store: &PointStore,
+        ramp: &[[u8; 4]; 256],
+        threads: usize,
+    ) {
+        let width = plan.view.width as usize;
+        let lit = plan.shading.edl_strength > 0.0;
+        if words.is_empty() {
+            return;
+        }
+        let rows = (plan.view.height as usize).div_ceil(threads).max(PIXELS_PER_THREAD.div_ceil(width));
+        let part = rows * width;
+
+        thread::scope(|scope| {
+            let parts = self.rgba.chunks_mut(part).zip(self.records.chunks_mut(part));
+            let parts = parts.zip(self.log_depth.chunks_mut(part)).zip(words.chunks(part));
+            for (((rgba, records), log_depth), words) in parts {
+                scope.spawn(move || {
+                    for (i, word) in words.iter().enumerate() {
+                        let word = word.load(Relaxed);
+                        (rgba[i], records[i]) = color(plan, word, store, ramp);
+                        if lit {
+                            log_depth[i] = if word == BACKGROUND { f32::INFINITY } else { raster::depth(word).log2() };
+                        }
+                    }
+                });
+            }
+        });
+        if !lit {
+            return;
+        }
+        let log_depth = &self.log_depth;
+        thread::scope(|scope| {
+            for (k, rgba) in self.rgba.chunks_mut(part).enumerate() {
+                scope.spawn(move || {
+                    for (i, pixel) in rgba.iter_mut().enumerate() {
+                        let at = k * part + i;
+                        if log_depth[at] < f32::INFINITY {
+                            let response = edl_response(log_depth, plan, at % width, at / width);
+                            let shade = shading::edl_shade(response, plan.shading.edl_strength);
+                            let [r, g, b, a] = *pixel;
+                            let [r, g, b] = [r, g, b].map(|c| (f32::from(c) * shade + 0.5) as u8);
+                            *pixel = [r, g, b, a];
+                        }
+                    }
+                });
+            }
+        });
+    }
+}
+
+/// Colour before lighting, and record, of a pixel.
+fn color(plan: &FramePlan, word: u64, store: &PointStore, ramp: &[[u8; 4]; 256]) -> ([u8; 4], u32) {
+    if word == BACKGROUND {
+        let [r, g, b] = plan.shading.background;
+        return ([r, g, b, 255], 0);
+    }
+    let slot = raster::slot(word) as usize;
+    let record = store.records[slot];
+    let file = file_of(&plan.files, record);
+    let [r, g, b] = file.color(store.attributes[slot], store.positions[slot][2], ramp);
+    ([r, g, b, 255], record)
+}
+
+/// The file that a record is of: the last that begins at or before it.
+fn file_of(files: &[FileColor], record: u32) -> &FileColor {
+    &files[files.partition_point(|file| file.first_record <= record).max(1) - 1]
+}
+
+/// How far a pixel lies behind its eight neighbours.
+fn edl_response(log_depth: &[f32], plan: &FramePlan, x: usize, y: usize) -> f32 {
+    let (width, height) = (plan.view.width as usize, plan.view.height as usize);
+    let center = log_depth[y * width + x];
+    let mut response = 0.0;
+    for [dx, dy] in shading::edl_neighbours(plan.view.point_size) {
+        if let (Some(x), Some(y)) = (x.checked_add_signed(dx), y.checked_add_signed(dy))
+            && x < width
+            && y < height
+        {
+            // A background neighbour is infinitely far, and so counts nothing.
+            response += (center - log_depth[y * width + x]).max(0.0);
+        }
+    }
+    response
+}

@@ -1,0 +1,27 @@
+//! Eye-dome lighting (Boucheny 2009): a pixel is darkened by how far it lies behind its neighbours.
+//! The formula is that of `shaders/resolve.wgsl`.
+//!
+//! For a pixel at depth `z`, over its eight neighbours at depth `zₙ` (`point_size` pixels away, so
+//! that they show other points; those outside of the picture and background do not count):
+//!
+//! ```text
+//! response = Σ max(0, log2 z − log2 zₙ)
+//! shade    = exp2(−EDL_GAIN · strength · response)
+//! channel  = ⌊channel · shade + ½⌋
+//! ```
+//!
+//! Logarithms make the effect independent of the distance and of the file's unit.
+
+/// Scale of [`Shading::edl_strength`](super::Shading::edl_strength).
+pub const EDL_GAIN: f32 = 5.4;
+
+/// The neighbours that a pixel is compared with, as steps in x and y, in the order of summation.
+pub fn edl_neighbours(point_size: u32) -> [[isize; 2]; 8] {
+    let r = point_size.max(1) as isize;
+    [[-r, -r], [0, -r], [r, -r], [-r, 0], [r, 0], [-r, r], [0, r], [r, r]]
+}
+
+/// What the colour of a pixel with this response is multiplied by; 1 for strength 0.
+pub fn edl_shade(response: f32, strength: f32) -> f32 {
+    (-EDL_GAIN * strength * response).exp2()
+}
