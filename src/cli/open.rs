@@ -59,6 +59,9 @@ pub fn run(args: OpenArgs, started: Instant) -> Result<ExitStatus, CliError> {
         Err(view::ViewError::NoAdapter(_)) if !args.inputs.is_empty() => {
             picture_instead(args, started, "no GPU adapter for a window")
         }
+        Err(view::ViewError::NoDisplay(_)) if !args.inputs.is_empty() => {
+            picture_instead(args, started, "the display opens no window")
+        }
         Err(error) => Err(error.into()),
     }
 }
