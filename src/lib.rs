@@ -9,11 +9,14 @@
 //! render    reproject → fresh → fill → index → resolve      (GPU and CPU backends, one frame plan)
 //! headless  the picture as a PNG, a report as JSON
 //! view      the picture in a window
+//! cli       what the user typed → one of these
 //! ```
 //!
-//! `scene` holds the words that all of them share.
+//! `scene` holds the words that all of them share; `gpu` is what every GPU pass stands on.
 
 pub mod scene;
+
+pub mod gpu;
 
 pub mod synth;
 
@@ -26,3 +29,5 @@ pub mod render;
 pub mod headless;
 
 pub mod view;
+
+pub mod cli;

@@ -1,1 +1,5 @@
-fn main() {}
+use std::{process::ExitCode, time::Instant};
+
+fn main() -> ExitCode {
+    firstlight::cli::main(std::env::args_os(), Instant::now())
+}

@@ -18,6 +18,6 @@ pub use budget::{BudgetController, FillBudget};
 pub use camera::{Camera, CameraError, Projected, View};
 pub use color::{FileColor, elevation_ramp};
 pub use cpu::CpuBackend;
-pub use gpu::{GpuBackend, RasterChoice};
+pub use gpu::{GpuBackend, RasterChoice, ShadingUniform};
 pub use progressive::{FrameReport, FrameRequest, INSERTION_POINTS, Progressive, StoreOptions};
 pub use shading::{EDL_GAIN, edl_neighbours, edl_shade};

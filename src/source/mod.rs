@@ -4,19 +4,50 @@
 //! decoder threads. Everything arrives through one bounded channel, in an order that depends on the
 //! files alone and not on thread timing: [`Event::Opened`], then batches in record order, file after
 //! file, then [`Event::Finished`]; or [`Event::Failed`] if nothing could be opened.
+//!
+//! ```text
+//! inputs    files and folders → a list of files
+//! header    one file's header, with its VLRs (vlr, crs), read tolerantly
+//! chunks    where a LAZ file's chunks are
+//! plan      which files, which grid (grid), which record numbers
+//! stream    threads and their order; las records, laz chunks (laz) → columns (record)
+//! ```
 
-use std::{path::PathBuf, sync::Arc};
+use std::{
+    path::PathBuf,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
+    thread::JoinHandle,
+};
 
-use crossbeam_channel::Receiver;
+use crossbeam_channel::{Receiver, Sender, bounded};
 
 use crate::scene::{PointBatch, SceneFacts};
+
+mod bytes;
+pub(crate) mod chunks;
+pub(crate) mod crs;
+mod error;
+mod grid;
+pub(crate) mod header;
+mod inputs;
+mod laz;
+mod plan;
+mod record;
+mod stream;
+pub(crate) mod vlr;
+
+pub use error::SourceError;
 
 /// How to read.
 #[derive(Clone, Default)]
 pub struct OpenOptions {
     /// Decoder threads; by default one per core, less one where there are more than two.
     pub threads: Option<usize>,
-    /// Called after each event was sent, to wake a window that sleeps.
+    /// Called after each event was sent, to wake a window that sleeps. It must not block on whatever
+    /// the thread that drops the [`Stream`] holds.
     pub wake: Option<Arc<dyn Fn() + Send + Sync>>,
 }
 
@@ -34,33 +65,92 @@ pub enum Event {
 /// A running reader. Dropping it stops all threads promptly and waits for them.
 pub struct Stream {
     events: Receiver<Event>,
+    free: Sender<PointBatch>,
+    cancel: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
 }
 
 impl Stream {
+    /// The events, in order. After [`Event::Finished`] or [`Event::Failed`] the channel is closed.
     pub fn events(&self) -> &Receiver<Event> {
         &self.events
     }
 
-    /// Gives a batch's memory back to the decoders.
-    pub fn recycle(&self, _batch: PointBatch) {}
+    /// Gives a batch's memory back to the decoders. Not needed for progress, only for speed.
+    pub fn recycle(&self, batch: PointBatch) {
+        // With enough spare buffers already, this one's memory goes back to the system.
+        let _ = self.free.try_send(batch);
+    }
+}
+
+impl Drop for Stream {
+    fn drop(&mut self) {
+        self.cancel.store(true, Ordering::Relaxed);
+        if let Some(thread) = self.thread.take() {
+            // A panic there has been printed where it happened.
+            let _ = thread.join();
+        }
+    }
 }
 
 /// Starts to read files and folders.
-pub fn open(_inputs: &[PathBuf], _options: OpenOptions) -> Stream {
-    let (_, events) = crossbeam_channel::bounded(1);
-    Stream { events }
+///
+/// ```no_run
+/// use firstlight::source::{Event, OpenOptions, open};
+///
+/// let stream = open(&["scan.laz".into()], OpenOptions::default());
+/// for event in stream.events() {
+///     match event {
+///         Event::Opened(facts) => println!("{} points to come", facts.points_in_header()),
+///         Event::Batch(batch) => stream.recycle(batch),
+///         Event::Finished(report) => println!("{} points read", report.points_decoded()),
+///         Event::Failed(error) => eprintln!("{error}"),
+///     }
+/// }
+/// ```
+pub fn open(inputs: &[PathBuf], options: OpenOptions) -> Stream {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let threads = options.threads.unwrap_or(if cores > 2 { cores - 1 } else { cores }).max(1);
+    let (events_ahead, spare) = stream::capacities(threads);
+    let (events_to, events) = bounded(events_ahead);
+    let (free, free_from) = bounded(spare);
+    let cancel = Arc::new(AtomicBool::new(false));
+    let engine = stream::Engine {
+        inputs: inputs.to_vec(),
+        options,
+        events: events_to.clone(),
+        free: free_from,
+        cancel: Arc::clone(&cancel),
+    };
+    let thread = std::thread::Builder::new().name("source".into()).spawn(move || engine.run(threads));
+    if let Err(error) = &thread {
+        let path = inputs.first().cloned().unwrap_or_default();
+        let failed = SourceError::Io { path, doing: "start a thread", reason: error.to_string() };
+        // The channel is empty, so there is room.
+        let _ = events_to.try_send(Event::Failed(failed));
+    }
+    Stream { events, free, cancel, thread: thread.ok() }
 }
 
 /// What was read, complete or not.
 #[derive(Debug, Clone, Default, serde::Serialize)]
 pub struct SourceReport {
+    /// The files of [`SceneFacts::files`], in that order, then the inputs that could not be opened.
     pub files: Vec<FileReport>,
+}
+
+impl SourceReport {
+    /// Points of all files.
+    pub fn points_decoded(&self) -> u64 {
+        self.files.iter().map(|f| f.points_decoded).sum()
+    }
 }
 
 /// What was read of one file.
 #[derive(Debug, Clone, serde::Serialize)]
 pub struct FileReport {
     pub path: PathBuf,
+    /// The header's count, whatever the file can hold.
     pub points_in_header: u64,
     pub points_decoded: u64,
     /// Decoded points outside of the header's box.
@@ -71,9 +161,15 @@ pub struct FileReport {
     pub error: Option<String>,
 }
 
-/// Why an input could not be opened.
-#[derive(Debug, Clone, thiserror::Error)]
-pub enum SourceError {
-    #[error("{0}")]
-    Placeholder(String),
+impl FileReport {
+    fn not_opened(path: PathBuf, error: &SourceError) -> FileReport {
+        FileReport {
+            path,
+            points_in_header: 0,
+            points_decoded: 0,
+            points_outside_bounds: 0,
+            warnings: Vec::new(),
+            error: Some(error.to_string()),
+        }
+    }
 }

@@ -6,6 +6,7 @@
 //! pages that hold the points there, are in `gpu`.
 
 mod coverage;
+pub mod gpu;
 mod insertion;
 mod permutation;
 

@@ -1,53 +1,181 @@
-//! The GPU backend: wgpu on Vulkan, Metal or DX12.
+//! The GPU backend: wgpu on Vulkan, Metal or DX12. [`GpuBackend::record`] is a frame, pass by pass.
 
-use super::{Backend, BackendInfo, FramePlan, PassTimes, Picture, RenderError};
-use crate::{scene::PointBatch, store::Insertion};
+mod choose;
+mod compute;
+mod hardware;
+mod index;
+mod resolve;
+mod sources;
+mod targets;
 
-/// Which rasterizer to use.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum RasterChoice {
-    /// The faster one, measured at start.
-    #[default]
-    Auto,
-    /// Compute shaders; with 64-bit atomics where the device has them.
-    Compute,
-    /// Compute shaders with 32-bit atomics only.
-    Compute32,
-    /// Point-list draws.
-    Hardware,
+pub use self::{choose::RasterChoice, resolve::ShadingUniform};
+use self::{
+    compute::ComputeRaster,
+    hardware::HardwareRaster,
+    index::IndexBuild,
+    resolve::Resolve,
+    sources::{Source, SourceBinder, Sources},
+    targets::{TargetLayouts, Targets},
+};
+use super::{Backend, BackendInfo, FramePlan, PassTimes, Picture, Raster, RenderError, View};
+use crate::{
+    gpu::{
+        device, kernel, shaders,
+        timing::{FrameTimer, Stage},
+    },
+    scene::PointBatch,
+    store::{
+        Insertion,
+        gpu::{GpuStore, INSERTIONS_PER_FRAME},
+    },
+};
+
+enum Rasterizer {
+    Compute(ComputeRaster),
+    Hardware(HardwareRaster),
 }
 
 /// Stores points and draws frames on a GPU.
 pub struct GpuBackend {
     info: BackendInfo,
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    store: GpuStore,
+    view: wgpu::Buffer,
+    layouts: TargetLayouts,
+    targets: Option<Targets>,
+    clear: wgpu::ComputePipeline,
+    binder: SourceBinder,
+    rasterizer: Rasterizer,
+    index: IndexBuild,
+    resolve: Resolve,
+    timer: FrameTimer,
+    lost: std::sync::Arc<std::sync::Mutex<Option<String>>>,
 }
 
 impl GpuBackend {
     /// Features and limits to ask of an adapter.
-    pub fn device_descriptor(_adapter: &wgpu::Adapter) -> wgpu::DeviceDescriptor<'static> {
-        wgpu::DeviceDescriptor::default()
+    pub fn device_descriptor(adapter: &wgpu::Adapter) -> wgpu::DeviceDescriptor<'static> {
+        device::descriptor(adapter)
     }
 
     /// A backend on the best adapter at hand, without a window.
-    pub fn headless(_choice: RasterChoice) -> Result<GpuBackend, RenderError> {
-        Err(RenderError::NoAdapter(String::new()))
+    pub fn headless(choice: RasterChoice) -> Result<GpuBackend, RenderError> {
+        let (adapter, device, queue) = device::headless()?;
+        GpuBackend::on_device(&adapter, device, queue, choice)
     }
 
     /// A backend on a device made with [`GpuBackend::device_descriptor`].
     pub fn on_device(
-        _adapter: &wgpu::Adapter,
-        _device: wgpu::Device,
-        _queue: wgpu::Queue,
-        _choice: RasterChoice,
+        adapter: &wgpu::Adapter,
+        device: wgpu::Device,
+        queue: wgpu::Queue,
+        choice: RasterChoice,
     ) -> Result<GpuBackend, RenderError> {
-        Err(RenderError::NoAdapter(String::new()))
+        let raster = choose::raster(adapter, &device, &queue, choice)?;
+        Ok(GpuBackend::with_raster(&adapter.get_info(), device, queue, raster))
+    }
+
+    /// A backend with a rasterizer that the device can run.
+    fn with_raster(
+        adapter: &wgpu::AdapterInfo,
+        device: wgpu::Device,
+        queue: wgpu::Queue,
+        raster: Raster,
+    ) -> GpuBackend {
+        let store = GpuStore::new(&device, &queue);
+        let layouts = TargetLayouts::new(&device);
+        let binder = SourceBinder::new(&device);
+        let rasterizer = match raster {
+            Raster::Hardware => Rasterizer::Hardware(HardwareRaster::new(&device, &store)),
+            _ => {
+                let with_int64 = raster == Raster::Compute;
+                Rasterizer::Compute(ComputeRaster::new(&device, with_int64, &layouts, &store, &binder))
+            }
+        };
+        let lost = std::sync::Arc::<std::sync::Mutex<Option<String>>>::default();
+        let loss = lost.clone();
+        device.set_device_lost_callback(move |reason, message| {
+            if reason != wgpu::DeviceLostReason::Destroyed
+                && let Ok(mut loss) = loss.lock()
+            {
+                *loss = Some(message);
+            }
+        });
+        GpuBackend {
+            info: BackendInfo {
+                adapter: adapter.name.clone(),
+                api: adapter.backend.to_str().to_owned(),
+                driver: format!("{} {}", adapter.driver, adapter.driver_info).trim().to_owned(),
+                raster,
+            },
+            view: kernel::uniform(&device, "view", size_of::<View>() as u64),
+            targets: None,
+            clear: kernel::compute(&device, &shaders::CLEAR.module(&device), "clear", &[&layouts.write]),
+            binder,
+            rasterizer,
+            index: IndexBuild::new(&device, &layouts),
+            resolve: Resolve::new(&device, &queue, &layouts, &store.pages),
+            timer: FrameTimer::new(&device, &queue),
+            store,
+            layouts,
+            device,
+            queue,
+            lost,
+        }
     }
 
     /// The picture of the last frame: one u32 per pixel (red in the lowest byte, then green, blue,
     /// alpha), row by row from the top; and its width and height. The buffer is another one after
     /// the size of the picture changed.
     pub fn picture_buffer(&self) -> Option<(&wgpu::Buffer, [u32; 2])> {
-        None
+        self.targets.as_ref().map(|targets| (&targets.picture, targets.size))
+    }
+
+    /// The store, for measuring with other settings than a viewer's.
+    pub fn store_mut(&mut self) -> &mut GpuStore {
+        &mut self.store
+    }
+
+    /// One frame. Every pass in order; all state that flows from one to the next is in the arguments.
+    fn record(&mut self, encoder: &mut wgpu::CommandEncoder, targets: &Targets, sources: &Sources, plan: &FramePlan) {
+        self.store.record(&mut self.timer.compute_pass(encoder, Stage::Insert));
+        self.record_clear(encoder, targets);
+        match &self.rasterizer {
+            Rasterizer::Compute(raster) => raster.record(encoder, &mut self.timer, targets, &self.store, sources),
+            Rasterizer::Hardware(raster) => {
+                let instances = plan.view.point_size.pow(2);
+                raster.record(encoder, &mut self.timer, targets, &self.store, sources, instances);
+            }
+        }
+        self.index.record(&self.device, encoder, &mut self.timer, targets, &self.store.lists);
+        self.resolve.record(&self.device, encoder, &mut self.timer, targets, &self.store.pages);
+    }
+
+    fn record_clear(&self, encoder: &mut wgpu::CommandEncoder, targets: &Targets) {
+        let mut pass = encoder.begin_compute_pass(&Default::default());
+        pass.set_pipeline(&self.clear);
+        pass.set_bind_group(0, &targets.bind_write, &[]);
+        kernel::dispatch(&mut pass, targets.pixels());
+    }
+
+    fn take_targets(&mut self, encoder: &mut wgpu::CommandEncoder, size: [u32; 2]) -> Result<Targets, RenderError> {
+        if let Some(targets) = self.targets.take_if(|targets| targets.size == size) {
+            return Ok(targets);
+        }
+        let targets = Targets::new(&self.device, &self.layouts, &self.view, size)?;
+        self.store.lists.resize_visible(&self.device, encoder, targets.pixels());
+        if let Rasterizer::Hardware(raster) = &mut self.rasterizer {
+            raster.resize(&self.device, &targets, &self.view);
+        }
+        Ok(targets)
+    }
+
+    fn check_device(&self) -> Result<(), RenderError> {
+        match self.lost.lock().ok().and_then(|lost| lost.clone()) {
+            Some(message) => Err(RenderError::DeviceLost(message)),
+            None => Ok(()),
+        }
     }
 }
 
@@ -55,20 +183,56 @@ impl Backend for GpuBackend {
     fn info(&self) -> &BackendInfo {
         &self.info
     }
-    fn reset(&mut self, _points: u64) {}
+
+    fn reset(&mut self, points: u64) {
+        self.store.reset(points);
+        // The visible list names slots of the dropped scene.
+        self.targets = None;
+    }
+
     fn insertions_per_frame(&self) -> usize {
-        16
+        INSERTIONS_PER_FRAME
     }
-    fn insert(&mut self, _insertion: &Insertion, _points: &PointBatch) -> Result<(), RenderError> {
-        Ok(())
+
+    fn insert(&mut self, insertion: &Insertion, points: &PointBatch) -> Result<(), RenderError> {
+        self.store.upload(insertion, points)
     }
-    fn draw(&mut self, _plan: &FramePlan) -> Result<(), RenderError> {
-        Ok(())
+
+    fn draw(&mut self, plan: &FramePlan) -> Result<(), RenderError> {
+        self.check_device()?;
+        let mut encoder = self.device.create_command_encoder(&Default::default());
+        let targets = self.take_targets(&mut encoder, [plan.view.width, plan.view.height])?;
+        self.timer.begin();
+        self.queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&plan.view));
+        // The second argument of the indirect draw: the pixels of a point.
+        let instances = plan.view.point_size.pow(2);
+        self.queue.write_buffer(&self.store.lists.visible_arguments, 4, bytemuck::bytes_of(&instances));
+        self.resolve.prepare(&self.device, &self.queue, plan);
+        let list = [(Source::Reproject, plan.reproject), (Source::Fresh, plan.fresh), (Source::Fill, true)];
+        let list = list.into_iter().filter_map(|(source, drawn)| drawn.then_some(source)).collect();
+        let sources = self.binder.bind(&self.device, &self.queue, &self.store, list, &plan.fill);
+        self.record(&mut encoder, &targets, &sources, plan);
+        let fill_points = plan.fill.iter().map(|range| range.end - range.start).sum();
+        self.timer.end(&mut encoder, fill_points);
+        self.queue.submit([encoder.finish()]);
+        self.timer.submitted(&self.queue, fill_points);
+        self.store.forget_fresh();
+        self.targets = Some(targets);
+        self.check_device()
     }
+
     fn pass_times(&mut self) -> Option<PassTimes> {
-        None
+        // An error here is a lost device, which the next frame reports.
+        let _ = self.device.poll(wgpu::PollType::Poll);
+        self.timer.take()
     }
+
     fn read(&mut self) -> Result<Picture, RenderError> {
-        Err(RenderError::NoAdapter(String::new()))
+        let Some(targets) = &self.targets else {
+            return Ok(Picture { width: 0, height: 0, rgba: vec![], records: vec![], depth: vec![] });
+        };
+        let mut encoder = self.device.create_command_encoder(&Default::default());
+        self.resolve.record_identify(&self.device, &mut encoder, targets, &self.store.pages);
+        targets.read(&self.device, &self.queue, encoder)
     }
 }

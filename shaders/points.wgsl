@@ -1,0 +1,8 @@
+// Reads positions. Whatever their encoding, this is the one place that knows it.
+@group(1) @binding(0) var<uniform> page: Page;
+@group(1) @binding(1) var<storage, read> positions: array<u32>;
+
+// `local` counts from the page's first slot.
+fn load_position(local: u32) -> vec3<i32> {
+    return bitcast<vec3<i32>>(vec3<u32>(positions[3u * local], positions[3u * local + 1u], positions[3u * local + 2u]));
+}

@@ -1,0 +1,75 @@
+//! Exit codes and the errors behind them.
+
+use crate::{headless::HeadlessError, render::RenderError, view::ViewError};
+
+/// The process's exit code. Listed for users in [`HELP`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u8)]
+pub enum ExitStatus {
+    Ok = 0,
+    /// A defect of the program, or of a driver.
+    Internal = 1,
+    /// The command line, or the camera file, is wrong.
+    Usage = 2,
+    /// None of the inputs can be read.
+    Input = 3,
+    /// The outputs are written, but points are missing.
+    Partial = 4,
+    /// An output cannot be written.
+    Output = 5,
+    /// No device does what was asked.
+    Device = 6,
+}
+
+/// What `--help` says of [`ExitStatus`].
+pub const HELP: &str = "\
+Exit codes:
+  0  done
+  1  internal error
+  2  the command line or the camera file is wrong
+  3  no input can be read: missing, or not LAS/LAZ
+  4  partly read: outputs are written, but points are missing (damaged input, or memory ran out)
+  5  an output cannot be written
+  6  no device does what was asked (--backend, --raster, --size)";
+
+/// Why the program ends early.
+#[derive(Debug, thiserror::Error)]
+pub enum CliError {
+    #[error("{0}")]
+    Usage(String),
+    #[error(transparent)]
+    Headless(#[from] HeadlessError),
+    #[error("{error}; {help}")]
+    NoDevice { error: RenderError, help: &'static str },
+    #[error(transparent)]
+    View(#[from] ViewError),
+}
+
+impl CliError {
+    pub fn status(&self) -> ExitStatus {
+        match self {
+            CliError::Usage(_) => ExitStatus::Usage,
+            CliError::Headless(error) => match error {
+                HeadlessError::Input(_) => ExitStatus::Input,
+                HeadlessError::Output(_) => ExitStatus::Output,
+                HeadlessError::Camera(_) => ExitStatus::Usage,
+                HeadlessError::Render(RenderError::DeviceLost(_)) | HeadlessError::ReaderEnded => ExitStatus::Internal,
+                HeadlessError::Render(_) => ExitStatus::Device,
+            },
+            CliError::NoDevice { .. } | CliError::View(_) => ExitStatus::Device,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_status_is_documented() {
+        use ExitStatus::*;
+        for status in [Ok, Internal, Usage, Input, Partial, Output, Device] {
+            assert!(HELP.contains(&format!("\n  {}  ", status as u8)), "{status:?}");
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! The command line: what the user typed → validated settings → run → an exit code.
+//!
+//! Every message is one line on standard error and every way to fail has its [`ExitStatus`]; a panic
+//! is caught and becomes such a line too.
+
+mod exit;
+mod open;
+mod render;
+mod values;
+
+use std::{
+    ffi::OsString,
+    io::{self, Write},
+    panic::{self, AssertUnwindSafe},
+    process::ExitCode,
+    sync::Mutex,
+    time::Instant,
+};
+
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+
+pub use exit::{CliError, ExitStatus};
+pub use values::parse_count;
+
+/// Ingest-while-render viewer for LAS/LAZ point clouds: no conversion, no index, no waiting.
+#[derive(Debug, Parser)]
+#[command(
+    version,
+    args_conflicts_with_subcommands = true,
+    after_help = exit::HELP,
+    override_usage = "firstlight [OPTIONS] IN…\n       firstlight render IN… -o OUT.png [OPTIONS]"
+)]
+struct Cli {
+    #[command(subcommand)]
+    command: Option<Command>,
+    #[command(flatten)]
+    open: open::OpenArgs,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Write the picture as a PNG, without a window
+    #[command(after_help = exit::HELP)]
+    Render(Box<render::RenderArgs>),
+}
+
+/// Runs the program. `started` is where reported seconds begin.
+pub fn main(args: impl IntoIterator<Item = OsString>, started: Instant) -> ExitCode {
+    // Silent unless asked: what a user has to know is said by `say` and by the errors.
+    env_logger::Builder::from_env(env_logger::Env::default().default_filter_or("off")).init();
+    keep_panic_messages();
+    let status = match panic::catch_unwind(AssertUnwindSafe(|| run(args, started))) {
+        Ok(Ok(status)) => status,
+        Ok(Err(error)) => {
+            say(&format!("firstlight: {error}"));
+            error.status()
+        }
+        Err(_) => {
+            let what = LAST_PANIC.lock().map_or_else(|_| String::new(), |message| message.clone());
+            say(&format!("firstlight: internal error, please report it: {what}"));
+            ExitStatus::Internal
+        }
+    };
+    ExitCode::from(status as u8)
+}
+
+fn run(args: impl IntoIterator<Item = OsString>, started: Instant) -> Result<ExitStatus, CliError> {
+    let parsed = Cli::command().try_get_matches_from(args).and_then(|matches| Cli::from_arg_matches(&matches));
+    let cli = match parsed {
+        Ok(cli) => cli,
+        Err(message) => {
+            // `--help` and `--version` arrive here too. A closed pipe is no reason to fail.
+            let _ = message.print();
+            return Ok(if message.use_stderr() { ExitStatus::Usage } else { ExitStatus::Ok });
+        }
+    };
+    match cli.command {
+        Some(Command::Render(args)) => render::run(*args, started),
+        None => open::run(cli.open, started),
+    }
+}
+
+/// One line for the user, on standard error. If nobody listens, there is nobody to tell.
+fn say(line: &str) {
+    let _ = writeln!(io::stderr(), "{line}");
+}
+
+static LAST_PANIC: Mutex<String> = Mutex::new(String::new());
+
+/// Damaged files can make decoders panic, which the reader catches and reports in its own words; the
+/// default hook would print a back trace for each. So a panic is only remembered, unless somebody
+/// is looking for its cause.
+fn keep_panic_messages() {
+    let default_hook = panic::take_hook();
+    panic::set_hook(Box::new(move |info| {
+        let message = info.to_string().replace('\n', " ");
+        log::error!("{message}");
+        if let Ok(mut last) = LAST_PANIC.lock() {
+            *last = message;
+        }
+        if std::env::var_os("RUST_BACKTRACE").is_some() {
+            default_hook(info);
+        }
+    }));
+}

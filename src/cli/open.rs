@@ -1,0 +1,135 @@
+//! `firstlight IN…`: the window, or a picture where there is none.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    time::Instant,
+};
+
+use clap::Args;
+
+use super::{
+    CliError, ExitStatus,
+    render::{RasterArg, progress_style, tell},
+    say, values,
+};
+use crate::{
+    headless::{self, BackendChoice, Destination, HeadlessError, Outputs, Settings, Stop},
+    render::{INSERTION_POINTS, Shading},
+    view,
+};
+
+#[derive(Debug, Args)]
+pub struct OpenArgs {
+    /// LAS and LAZ files, and folders of them; without any, the window waits for them to be dropped.
+    /// A file called like a command is opened as `./render`
+    #[arg(value_name = "IN")]
+    inputs: Vec<PathBuf>,
+    /// How the GPU turns points into pixels; auto measures which is faster
+    #[arg(long, value_enum, default_value_t)]
+    raster: RasterArg,
+    /// Width of a point, pixels, 1 to 8
+    #[arg(long, value_name = "PX", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=8))]
+    point_size: u32,
+    /// Fixes the order of the points in the store
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// Random points that each frame tries (1M, 250k, …); by default as many as a frame's time allows
+    #[arg(long, value_name = "N", value_parser = values::parse_points)]
+    fill: Option<u32>,
+    /// Decoder threads; by default one per core, less one
+    #[arg(long, value_name = "N", value_parser = values::parse_threads)]
+    threads: Option<usize>,
+}
+
+pub fn run(args: OpenArgs, started: Instant) -> Result<ExitStatus, CliError> {
+    if !view::has_display() {
+        return picture_instead(args, started, "no display");
+    }
+    let options = view::Options {
+        inputs: args.inputs.clone(),
+        raster: args.raster.into(),
+        point_size: args.point_size,
+        seed: args.seed,
+        fill: args.fill,
+        threads: args.threads,
+    };
+    match view::run(options) {
+        Ok(()) => Ok(ExitStatus::Ok),
+        Err(view::ViewError::NoAdapter(_)) if !args.inputs.is_empty() => {
+            picture_instead(args, started, "no GPU adapter for a window")
+        }
+        Err(error) => Err(error.into()),
+    }
+}
+
+/// A picture next to the input, for machines that cannot open a window.
+fn picture_instead(args: OpenArgs, started: Instant, why: &str) -> Result<ExitStatus, CliError> {
+    let Some(first) = args.inputs.first() else {
+        return Err(CliError::Usage(format!(
+            "{why}, so no window opens; give a file to get its picture: firstlight scan.laz, \
+             or firstlight render scan.laz -o scan.png"
+        )));
+    };
+    let picture = picture_beside(first).map_err(HeadlessError::from)?;
+    // Otherwise the next line says that there is nothing to draw.
+    if args.inputs.iter().any(|input| input.exists()) {
+        say(&format!("firstlight: {why}; writing the picture to {} instead", picture.path().display()));
+    }
+    let settings = Settings {
+        outputs: Outputs { picture: Some(picture), ..Default::default() },
+        size: [1600, 900],
+        camera: None,
+        backend: BackendChoice::Auto,
+        raster: args.raster.into(),
+        fill: args.fill,
+        point_size: args.point_size,
+        shading: Shading::default(),
+        seed: args.seed,
+        insertion_points: INSERTION_POINTS,
+        stop: Stop::Converged,
+        brute_force: false,
+        threads: args.threads,
+        progress: progress_style(false),
+        started,
+        inputs: args.inputs,
+    };
+    let report = headless::render(&settings)?;
+    Ok(tell(&report, false))
+}
+
+/// `scan.png` beside `scan.laz`, in the current folder if that one cannot be written; `scan-1.png`
+/// and so on if there is one already: nobody named this file, so none may be lost to it.
+fn picture_beside(input: &Path) -> Result<Destination, headless::OutputError> {
+    // `.` and `..` have no name of their own.
+    let input = fs::canonicalize(input).ok().filter(|_| input.file_name().is_none()).unwrap_or(input.into());
+    let stem = input.file_stem().filter(|_| !input.is_dir()).or(input.file_name()).unwrap_or("firstlight".as_ref());
+    let free_name = |folder: &Path| {
+        let numbered = |n: u32| {
+            let mut name = stem.to_os_string();
+            name.push(if n == 0 { ".png".into() } else { format!("-{n}.png") });
+            folder.join(name)
+        };
+        (0..1000).map(numbered).find(|path| fs::symlink_metadata(path).is_err()).unwrap_or_else(|| numbered(1000))
+    };
+    let beside = input.parent().unwrap_or(Path::new(""));
+    Destination::check(&free_name(beside)).or_else(|_| Destination::check(&free_name(Path::new(""))))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_picture_lies_beside_the_scan_and_replaces_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        let scan = folder.path().join("scan.laz");
+        fs::write(&scan, "").unwrap();
+        let beside = || picture_beside(&scan).unwrap().path().to_path_buf();
+        assert_eq!(beside(), folder.path().join("scan.png"));
+        fs::write(folder.path().join("scan.png"), "mine").unwrap();
+        assert_eq!(beside(), folder.path().join("scan-1.png"));
+        let of_folder = picture_beside(&folder.path().join(".")).unwrap();
+        assert_eq!(of_folder.path().extension().unwrap(), "png");
+    }
+}

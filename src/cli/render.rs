@@ -1,0 +1,255 @@
+//! `firstlight render`.
+
+use std::{
+    fs,
+    io::{self, IsTerminal},
+    path::{Path, PathBuf},
+    time::Instant,
+};
+
+use clap::{Args, ValueEnum};
+
+use super::{CliError, ExitStatus, say, values};
+use crate::{
+    headless::{self, BackendChoice, Destination, HeadlessError, Outputs, ProgressStyle, Report, Settings, Stop},
+    render::{Camera, INSERTION_POINTS, RasterChoice, Shading},
+};
+
+#[derive(Debug, Args)]
+pub struct RenderArgs {
+    /// LAS and LAZ files, and folders of them
+    #[arg(value_name = "IN", required = true)]
+    inputs: Vec<PathBuf>,
+    /// The picture to write (`-`: standard output)
+    #[arg(short, long, value_name = "OUT.png", required_unless_present_any = ["ids", "depth", "json"])]
+    output: Option<PathBuf>,
+    /// Width and height of the picture, pixels
+    #[arg(long, value_name = "WxH", default_value = "1600x900", value_parser = values::parse_size)]
+    size: [u32; 2],
+    /// Where to look from: {"eye":[x,y,z],"target":[x,y,z],"up":[0,0,1],"fov_y_deg":60}, eye and target
+    /// in the file's own coordinates; by default the whole scene, from the south and above
+    #[arg(long, value_name = "CAM.json")]
+    camera: Option<PathBuf>,
+    /// How the GPU turns points into pixels; auto measures which is faster
+    #[arg(long, value_enum, default_value_t)]
+    raster: RasterArg,
+    /// Where to draw; auto takes a GPU if there is one
+    #[arg(long, value_enum, default_value_t)]
+    backend: BackendArg,
+    /// Random points that each frame tries (1M, 250k, …); by default as many as a frame's time allows,
+    /// or 1M with --stop frames=N and points=N
+    #[arg(long, value_name = "N", value_parser = values::parse_points)]
+    fill: Option<u32>,
+    /// Width of a point, pixels, 1 to 8
+    #[arg(long, value_name = "PX", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=8))]
+    point_size: u32,
+    /// Fixes the order of the points in the store, and with it every frame
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// When to stop: converged, frames=N, or points=N (the first N points, all of them drawn). The
+    /// latter two repeat bit for bit
+    #[arg(long, value_name = "WHEN", default_value = "converged", value_parser = values::parse_stop)]
+    stop: Stop,
+    /// Load everything and draw all points at once, not progressively: the picture to compare with
+    #[arg(long)]
+    brute_force: bool,
+    /// Write which record each pixel shows: int64, −1 for background, counted through all files in order
+    #[arg(long, value_name = "OUT.npy")]
+    ids: Option<PathBuf>,
+    /// Write the distance of each pixel along the viewing direction: float32, +inf for background
+    #[arg(long, value_name = "OUT.npy")]
+    depth: Option<PathBuf>,
+    /// Write what was read, drawn and measured (`-`: standard output)
+    #[arg(long, value_name = "REPORT.json")]
+    json: Option<PathBuf>,
+    /// Strength of eye-dome lighting; 0 turns it off
+    #[arg(long, value_name = "STRENGTH", default_value_t = Shading::default().edl_strength, value_parser = values::parse_strength)]
+    edl: f32,
+    /// Decoder threads; by default one per core, less one
+    #[arg(long, value_name = "N", value_parser = values::parse_threads)]
+    threads: Option<usize>,
+    /// Say nothing but errors
+    #[arg(short, long)]
+    quiet: bool,
+    /// Points that enter the store at a time; fixes their slots together with the seed
+    #[arg(long, value_name = "N", default_value_t = INSERTION_POINTS, value_parser = values::parse_points, hide = true)]
+    insertion_points: u32,
+}
+
+/// [`RasterChoice`] on the command line.
+#[derive(Debug, Clone, Copy, Default, ValueEnum)]
+pub enum RasterArg {
+    #[default]
+    Auto,
+    /// Compute shaders, with 64-bit atomics where the device has them
+    Compute,
+    /// Compute shaders, with 32-bit atomics only
+    Compute32,
+    /// Point-list draws
+    Hardware,
+}
+
+impl From<RasterArg> for RasterChoice {
+    fn from(arg: RasterArg) -> RasterChoice {
+        match arg {
+            RasterArg::Auto => RasterChoice::Auto,
+            RasterArg::Compute => RasterChoice::Compute,
+            RasterArg::Compute32 => RasterChoice::Compute32,
+            RasterArg::Hardware => RasterChoice::Hardware,
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, Default, ValueEnum)]
+enum BackendArg {
+    #[default]
+    Auto,
+    Gpu,
+    Cpu,
+}
+
+pub fn run(args: RenderArgs, started: Instant) -> Result<ExitStatus, CliError> {
+    let quiet = args.quiet;
+    let settings = args.validate(started)?;
+    let report = headless::render(&settings).map_err(with_help)?;
+    Ok(tell(&report, quiet))
+}
+
+/// Says what a run gave, and which exit status that is.
+pub fn tell(report: &Report, quiet: bool) -> ExitStatus {
+    for file in &report.files {
+        if let Some(error) = &file.error {
+            // Not silenced by --quiet: points are missing.
+            say(&format!("firstlight: {}", with_path(&file.path, error)));
+        }
+        for warning in file.warnings.iter().filter(|_| !quiet) {
+            say(&format!("firstlight: {}", with_path(&file.path, warning)));
+        }
+    }
+    if !quiet {
+        for note in &report.notes {
+            say(&format!("firstlight: {note}"));
+        }
+        say(&summary(report));
+    }
+    if report.is_partial() { ExitStatus::Partial } else { ExitStatus::Ok }
+}
+
+/// Messages of the reader name the file, or not.
+fn with_path(path: &Path, message: &str) -> String {
+    let path = path.display().to_string();
+    if message.contains(&path) { message.into() } else { format!("{path}: {message}") }
+}
+
+fn summary(report: &Report) -> String {
+    let outputs = &report.outputs;
+    let written = [&outputs.picture, &outputs.ids, &outputs.depth, &outputs.report];
+    let names: Vec<String> = written.into_iter().flatten().map(|path| path.display().to_string()).collect();
+    let [width, height] = report.size_px;
+    let missing = match report.points_missing {
+        Some(missing) if missing > 0 => format!(" ({} missing)", headless::grouped(missing)),
+        _ => String::new(),
+    };
+    format!(
+        "wrote {}: {width}x{height} pixels, {} points{missing}, {} frames, {:.2} s, {} on {}",
+        names.join(", "),
+        headless::grouped(report.points_stored),
+        report.frames,
+        report.seconds.to_picture.unwrap_or_default(),
+        report.rasterizer,
+        report.adapter,
+    )
+}
+
+fn with_help(error: HeadlessError) -> CliError {
+    use crate::render::RenderError;
+    match error {
+        HeadlessError::Render(error @ RenderError::NoAdapter(_)) => CliError::NoDevice {
+            error,
+            help: "leave out --raster and --backend, or say --backend cpu, to draw on the processor",
+        },
+        HeadlessError::Render(error @ RenderError::Unsupported { .. }) => {
+            CliError::NoDevice { error, help: "--raster auto takes one that works" }
+        }
+        other => other.into(),
+    }
+}
+
+impl RenderArgs {
+    fn validate(self, started: Instant) -> Result<Settings, CliError> {
+        let usage = |message: &str| Err(CliError::Usage(message.into()));
+        if self.brute_force && matches!(self.stop, Stop::Frames(_)) {
+            return usage("--brute-force draws one frame of all points; --stop frames=N does not go with it");
+        }
+        let backend = match (self.backend, self.raster) {
+            (BackendArg::Cpu, RasterArg::Auto) => BackendChoice::Cpu,
+            (BackendArg::Cpu, _) => {
+                return usage("--raster chooses among the GPU's rasterizers; leave it out with --backend cpu");
+            }
+            (BackendArg::Gpu, _) => BackendChoice::Gpu,
+            (BackendArg::Auto, _) => BackendChoice::Auto,
+        };
+        let camera = self.camera.as_deref().map(read_camera).transpose()?;
+        Ok(Settings {
+            outputs: self.outputs()?,
+            size: self.size,
+            camera,
+            backend,
+            raster: self.raster.into(),
+            fill: self.fill,
+            point_size: self.point_size,
+            shading: Shading { edl_strength: self.edl, ..Default::default() },
+            seed: self.seed,
+            insertion_points: self.insertion_points,
+            stop: self.stop,
+            brute_force: self.brute_force,
+            threads: self.threads,
+            progress: progress_style(self.quiet),
+            started,
+            inputs: self.inputs,
+        })
+    }
+
+    fn outputs(&self) -> Result<Outputs, CliError> {
+        let named = [("-o", &self.output), ("--ids", &self.ids), ("--depth", &self.depth), ("--json", &self.json)];
+        let mut checked: Vec<(&str, Destination)> = Vec::new();
+        let inputs: Vec<PathBuf> = self.inputs.iter().filter_map(|path| fs::canonicalize(path).ok()).collect();
+        let [output, ids, depth, json] = named.map(|(flag, path)| -> Result<_, CliError> {
+            let Some(path) = path else { return Ok(None) };
+            let destination = Destination::check(path).map_err(HeadlessError::from)?;
+            if let Destination::File(file) = &destination
+                && inputs.contains(file)
+            {
+                return Err(CliError::Usage(format!("{flag} {}: that is one of the inputs", path.display())));
+            }
+            let replaceable = !matches!(destination, Destination::Device(_));
+            if let Some((other, _)) = checked.iter().find(|(_, taken)| replaceable && *taken == destination) {
+                return Err(CliError::Usage(format!("{other} and {flag} both write to {}", path.display())));
+            }
+            checked.push((flag, destination.clone()));
+            Ok(Some(destination))
+        });
+        Ok(Outputs { picture: output?, ids: ids?, depth: depth?, report: json? })
+    }
+}
+
+fn read_camera(path: &Path) -> Result<Camera, CliError> {
+    let text =
+        fs::read_to_string(path).map_err(|error| CliError::Usage(format!("--camera {}: {error}", path.display())))?;
+    serde_json::from_str(&text).map_err(|error| {
+        CliError::Usage(format!(
+            r#"--camera {}: expected {{"eye":[x,y,z],"target":[x,y,z],"up":[0,0,1],"fov_y_deg":60}}: {error}"#,
+            path.display()
+        ))
+    })
+}
+
+pub fn progress_style(quiet: bool) -> ProgressStyle {
+    if quiet {
+        ProgressStyle::Silent
+    } else if io::stderr().is_terminal() {
+        ProgressStyle::Bar
+    } else {
+        ProgressStyle::Lines
+    }
+}

@@ -1,0 +1,120 @@
+//! Values as users type them.
+
+use crate::headless::Stop;
+
+/// A number of points: `1500`, `1_500`, `1.5k`, `20M`, `1G`.
+pub fn parse_count(text: &str) -> Result<u64, String> {
+    let wrong = || format!("expected a number such as 250000, 250k or 1.5M, found `{text}`");
+    let plain = text.replace('_', "");
+    let (digits, exponent) = match plain.char_indices().last() {
+        Some((at, 'k' | 'K')) => (&plain[..at], 3),
+        Some((at, 'm' | 'M')) => (&plain[..at], 6),
+        Some((at, 'g' | 'G' | 'b' | 'B')) => (&plain[..at], 9),
+        _ => (&plain[..], 0),
+    };
+    // Digit by digit: a detour through f64 would round large numbers.
+    let (whole, fraction) = digits.split_once('.').unwrap_or((digits, ""));
+    let fraction = fraction.trim_end_matches('0');
+    if whole.is_empty()
+        || fraction.len() > exponent
+        || !(whole.bytes().chain(fraction.bytes())).all(|b| b.is_ascii_digit())
+    {
+        return Err(wrong());
+    }
+    let zeros = "0".repeat(exponent - fraction.len());
+    format!("{whole}{fraction}{zeros}").parse().map_err(|_| format!("`{text}` is more than 64 bits hold"))
+}
+
+/// As [`parse_count`], at least 1 and at most the 32 bits that slots have.
+pub fn parse_points(text: &str) -> Result<u32, String> {
+    match parse_count(text)? {
+        0 => Err("expected at least 1".into()),
+        n => u32::try_from(n).map_err(|_| format!("expected at most {}, found `{text}`", u32::MAX)),
+    }
+}
+
+/// Pictures may have no more pixels than this: their arrays alone would take gigabytes.
+const MAX_PIXELS: u64 = 1 << 28;
+
+/// `1600x900`: width and height in pixels.
+pub fn parse_size(text: &str) -> Result<[u32; 2], String> {
+    let wrong = || format!("expected WIDTHxHEIGHT in pixels, such as 1600x900, found `{text}`");
+    let (width, height) = text.split_once(['x', 'X', '×']).ok_or_else(wrong)?;
+    let size = [width, height].map(|n| n.trim().parse::<u32>().ok().filter(|&n| n > 0));
+    let [Some(width), Some(height)] = size else { return Err(wrong()) };
+    if u64::from(width) * u64::from(height) > MAX_PIXELS {
+        return Err(format!("expected at most {MAX_PIXELS} pixels in all, found `{text}`"));
+    }
+    Ok([width, height])
+}
+
+/// `converged`, `frames=N` or `points=N`.
+pub fn parse_stop(text: &str) -> Result<Stop, String> {
+    let wrong = || format!("expected converged, frames=N or points=N, found `{text}`");
+    if text == "converged" {
+        return Ok(Stop::Converged);
+    }
+    let (what, number) = text.split_once('=').ok_or_else(wrong)?;
+    let number = parse_count(number)?;
+    match (what, number) {
+        ("frames" | "points", 0) => Err(format!("expected {what}=1 or more")),
+        ("frames", n) => Ok(Stop::Frames(n)),
+        ("points", n) => Ok(Stop::Points(n)),
+        _ => Err(wrong()),
+    }
+}
+
+/// Strength of eye-dome lighting.
+pub fn parse_strength(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(strength) if (0.0..=100.0).contains(&strength) => Ok(strength),
+        _ => Err(format!("expected a number from 0 (off) to 100, found `{text}`")),
+    }
+}
+
+/// A number of threads.
+pub fn parse_threads(text: &str) -> Result<usize, String> {
+    match text.parse::<usize>() {
+        Ok(threads @ 1..=1024) => Ok(threads),
+        _ => Err(format!("expected 1 to 1024 threads, found `{text}`")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_have_suffixes() {
+        for (text, count) in [
+            ("0", 0),
+            ("1500", 1500),
+            ("1_500", 1500),
+            ("250k", 250_000),
+            ("1M", 1_000_000),
+            ("1.5M", 1_500_000),
+            ("0.25k", 250),
+            ("2.0", 2),
+            ("1G", 1_000_000_000),
+            ("18446744073709551615", u64::MAX),
+        ] {
+            assert_eq!(parse_count(text), Ok(count), "{text}");
+        }
+        for text in ["", "k", "-1", "1.5", "1e6", "1.0005k", "ten", "1M2", ".5M", "+3", "18446744073709551616", "٣"] {
+            assert!(parse_count(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn sizes_and_stops() {
+        assert_eq!(parse_size("1600x900"), Ok([1600, 900]));
+        for text in ["", "1600", "0x5", "5x0", "-1x5", "1600x", "99999x99999", "4294967297x1"] {
+            assert!(parse_size(text).is_err(), "{text}");
+        }
+        assert_eq!(parse_stop("frames=5"), Ok(Stop::Frames(5)));
+        assert_eq!(parse_stop("points=1M"), Ok(Stop::Points(1_000_000)));
+        for text in ["frames", "frames=0", "points=", "seconds=3", "converge"] {
+            assert!(parse_stop(text).is_err(), "{text}");
+        }
+    }
+}

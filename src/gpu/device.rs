@@ -1,0 +1,43 @@
+//! Choosing an adapter, and what is asked of it.
+
+use crate::render::RenderError;
+
+/// Features that are used where the adapter has them. None is required: without 64-bit atomics two
+/// 32-bit passes do the work, without timestamps the wall clock is read.
+const WANTED: wgpu::Features = wgpu::Features::SHADER_INT64
+    .union(wgpu::Features::SHADER_INT64_ATOMIC_MIN_MAX)
+    .union(wgpu::Features::TIMESTAMP_QUERY);
+
+/// Features and limits to ask of an adapter: WebGPU's defaults, but buffers as large as they come.
+pub fn descriptor(adapter: &wgpu::Adapter) -> wgpu::DeviceDescriptor<'static> {
+    let offered = adapter.limits();
+    wgpu::DeviceDescriptor {
+        label: Some("firstlight"),
+        required_features: adapter.features() & WANTED,
+        required_limits: wgpu::Limits {
+            max_buffer_size: offered.max_buffer_size,
+            max_storage_buffer_binding_size: offered.max_storage_buffer_binding_size,
+            max_texture_dimension_2d: offered.max_texture_dimension_2d,
+            ..wgpu::Limits::default().using_alignment(offered)
+        },
+        // Points fill most of the memory, in few large buffers.
+        memory_hints: wgpu::MemoryHints::MemoryUsage,
+        ..Default::default()
+    }
+}
+
+/// The instance for work without a window. `WGPU_BACKEND` and wgpu's other variables are heeded.
+fn instance() -> wgpu::Instance {
+    wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env())
+}
+
+/// The best adapter at hand and a device on it, for work without a window.
+pub fn headless() -> Result<(wgpu::Adapter, wgpu::Device, wgpu::Queue), RenderError> {
+    let options =
+        wgpu::RequestAdapterOptions { power_preference: wgpu::PowerPreference::HighPerformance, ..Default::default() };
+    let adapter = pollster::block_on(instance().request_adapter(&options))
+        .map_err(|error| RenderError::NoAdapter(format!(" ({error})")))?;
+    let (device, queue) = pollster::block_on(adapter.request_device(&descriptor(&adapter)))
+        .map_err(|error| RenderError::NoAdapter(format!(" (the adapter gave no device: {error})")))?;
+    Ok((adapter, device, queue))
+}

@@ -1,0 +1,268 @@
+//! One run: events in, frames, outputs.
+
+use std::{sync::Arc, time::Instant};
+
+use super::{
+    default_camera,
+    outputs::{OutputError, picture_sha256, write_npy_f32, write_npy_i64, write_png},
+    progress::{Progress, grouped},
+    report::{Report, Seconds, Tally, file_entries, peak_memory_bytes},
+    settings::{BackendChoice, Settings, Stop},
+};
+use crate::{
+    render::{
+        Backend, CameraError, CpuBackend, FrameReport, FrameRequest, GpuBackend, Picture, Progressive, RasterChoice,
+        RenderError,
+    },
+    scene::{PointBatch, SceneFacts},
+    source::{self, Event, OpenOptions, SourceError, SourceReport, Stream},
+};
+
+/// Why there is no picture.
+#[derive(Debug, thiserror::Error)]
+pub enum HeadlessError {
+    #[error(transparent)]
+    Input(#[from] SourceError),
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    #[error(transparent)]
+    Camera(#[from] CameraError),
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    #[error("the reader ended without saying why")]
+    ReaderEnded,
+}
+
+/// Renders and writes all outputs. A damaged input still gives its picture, of the points that could
+/// be read; see [`Report::is_partial`].
+pub fn render(settings: &Settings) -> Result<Report, HeadlessError> {
+    // Reading starts first: a GPU takes a while to set up.
+    let stream = source::open(&settings.inputs, OpenOptions { threads: settings.threads, wake: None });
+    let (backend, backend_name, notes) = make_backend(settings)?;
+    let mut report = Report::new(settings, backend.info(), backend_name);
+    report.notes = notes;
+
+    let mut run = Run {
+        settings,
+        progressive: Progressive::new(backend, settings.store_options()),
+        facts: None,
+        request: None,
+        tally: Tally::default(),
+        source: None,
+        out_of_memory: false,
+        progress: Progress::new(settings.progress),
+        seconds: Seconds::default(),
+        report,
+    };
+    let last_frame = run.draw_to_the_end(stream);
+    run.progress.finish();
+    let last_frame = last_frame?;
+    let picture = run.progressive.read()?;
+    run.seconds.to_picture = Some(run.now());
+    let report = run.into_report(last_frame, &picture);
+    write_outputs(settings, &report, &picture)?;
+    Ok(report)
+}
+
+type AnyBackend = Box<dyn Backend>;
+
+fn make_backend(settings: &Settings) -> Result<(AnyBackend, &'static str, Vec<String>), RenderError> {
+    let cpu = || Box::new(CpuBackend::new(settings.threads));
+    if settings.backend == BackendChoice::Cpu {
+        return Ok((cpu(), "cpu", Vec::new()));
+    }
+    match GpuBackend::headless(settings.raster) {
+        Ok(gpu) => Ok((Box::new(gpu), "gpu", Vec::new())),
+        // Whoever names one of the GPU's rasterizers wants that one.
+        Err(error) if settings.backend == BackendChoice::Auto && settings.raster == RasterChoice::Auto => {
+            Ok((cpu(), "cpu", vec![format!("{error}; drawn on the processor")]))
+        }
+        Err(error) => Err(error),
+    }
+}
+
+struct Run<'a> {
+    settings: &'a Settings,
+    progressive: Progressive<AnyBackend>,
+    facts: Option<Arc<SceneFacts>>,
+    /// Known once the camera is.
+    request: Option<FrameRequest>,
+    tally: Tally,
+    /// Known once all is read.
+    source: Option<SourceReport>,
+    out_of_memory: bool,
+    progress: Progress,
+    seconds: Seconds,
+    report: Report,
+}
+
+impl Run<'_> {
+    /// Seconds since the program started.
+    fn now(&self) -> f64 {
+        Instant::now().duration_since(self.settings.started).as_secs_f64()
+    }
+
+    /// Takes the stream, so that its threads stop as soon as the last frame is drawn.
+    fn draw_to_the_end(&mut self, stream: Stream) -> Result<FrameReport, HeadlessError> {
+        let mut idle = true;
+        loop {
+            self.take_events(&stream, idle)?;
+            let Some(request) = self.request else { continue };
+            let frame = match self.progressive.frame(&request) {
+                Err(error @ RenderError::OutOfMemory { .. }) if !self.out_of_memory => {
+                    self.out_of_memory = true;
+                    self.report.notes.push(error.to_string());
+                    continue;
+                }
+                other => other?,
+            };
+            self.progressive.spent().for_each(|batch| stream.recycle(batch));
+            self.note_frame(&frame)?;
+            idle = !frame.drawn;
+            if self.is_done(&frame) {
+                return if self.settings.brute_force { self.draw_brute_force(&request) } else { Ok(frame) };
+            }
+        }
+    }
+
+    /// Hands what arrived to the store, as much as the next frame can take. Waits where the next frame
+    /// would have nothing to do, and for every batch where each run is to see the same frames.
+    fn take_events(&mut self, stream: &Stream, idle: bool) -> Result<(), HeadlessError> {
+        while self.source.is_none() && self.progressive.wants_points() {
+            let nothing_to_do = idle && self.progressive.waiting() < u64::from(self.settings.insertion_points);
+            let event = if self.settings.stop.is_repeatable() || nothing_to_do || self.request.is_none() {
+                stream.events().recv().map_err(|_| HeadlessError::ReaderEnded)?
+            } else {
+                match stream.events().try_recv() {
+                    Ok(event) => event,
+                    Err(crossbeam_channel::TryRecvError::Empty) => break,
+                    Err(crossbeam_channel::TryRecvError::Disconnected) => return Err(HeadlessError::ReaderEnded),
+                }
+            };
+            self.take(event)?;
+        }
+        Ok(())
+    }
+
+    fn take(&mut self, event: Event) -> Result<(), HeadlessError> {
+        match event {
+            Event::Opened(facts) => {
+                self.tally = Tally::new(facts.files.len());
+                self.progress.expect(facts.points_in_header());
+                self.progressive.open(facts.clone());
+                self.facts = Some(facts);
+            }
+            Event::Batch(batch) => {
+                self.aim(Some(&batch))?;
+                self.tally.arrive(batch.file, batch.len());
+                self.progressive.offer(batch);
+            }
+            Event::Finished(source) => {
+                if self.facts.is_none() {
+                    return Err(HeadlessError::ReaderEnded);
+                }
+                self.aim(None)?;
+                self.progressive.end_of_input();
+                self.source = Some(source);
+            }
+            Event::Failed(error) => return Err(error.into()),
+        }
+        Ok(())
+    }
+
+    /// Fixes the camera, once.
+    fn aim(&mut self, first: Option<&PointBatch>) -> Result<(), HeadlessError> {
+        let (None, Some(facts)) = (self.request, &self.facts) else { return Ok(()) };
+        let settings = self.settings;
+        let camera = settings.camera.unwrap_or_else(|| default_camera(facts, first, settings.size));
+        let view = camera.view(&facts.grid, settings.size, settings.point_size)?;
+        self.request = Some(FrameRequest { view, fill: settings.fill_budget(), shading: settings.shading });
+        self.report.camera = Some(camera);
+        Ok(())
+    }
+
+    fn note_frame(&mut self, frame: &FrameReport) -> Result<(), RenderError> {
+        self.tally.store_holds(frame.points_stored);
+        self.report.frames += u64::from(frame.drawn);
+        if frame.points_stored > 0 {
+            let now = self.now();
+            self.seconds.to_first_point.get_or_insert(now);
+            if self.seconds.to_first_picture.is_none() && frame.drawn {
+                // The only wait for the device before the end.
+                self.progressive.read()?;
+                self.seconds.to_first_picture = Some(self.now());
+            }
+        }
+        if self.progressive.is_loaded() {
+            let now = self.now();
+            self.seconds.to_all_loaded.get_or_insert(now);
+        }
+        let expected = self.facts.as_ref().map_or(0, |facts| facts.points_in_header());
+        self.progress.update(frame.points_stored, frame.points_tried, expected);
+        Ok(())
+    }
+
+    fn is_done(&self, frame: &FrameReport) -> bool {
+        let loaded = self.progressive.is_loaded();
+        match self.settings.stop {
+            _ if self.settings.brute_force => loaded,
+            Stop::Frames(frames) if self.report.frames >= frames => true,
+            _ => loaded && frame.is_converged(),
+        }
+    }
+
+    fn draw_brute_force(&mut self, request: &FrameRequest) -> Result<FrameReport, HeadlessError> {
+        let frame = self.progressive.brute_force(request)?;
+        self.report.frames += 1;
+        Ok(frame)
+    }
+
+    fn into_report(mut self, last: FrameReport, picture: &Picture) -> Report {
+        let converged = self.progressive.is_loaded() && last.is_converged();
+        if converged {
+            self.seconds.to_converged = self.seconds.to_picture;
+        }
+        let mut report = self.report;
+        report.files = file_entries(self.facts.as_deref(), &self.tally, self.source.as_ref());
+        report.points_in_header = report.files.iter().map(|f| f.points_in_header).sum();
+        report.points_decoded = report.files.iter().map(|f| f.points_decoded).sum();
+        report.points_stored = self.progressive.points_stored();
+        report.read_to_end = self.source.is_some();
+        report.points_missing = report.files.iter().map(|f| f.points_missing).sum();
+        if self.out_of_memory {
+            let left_out = report.points_in_header - report.points_stored.min(report.points_in_header);
+            report.points_missing = Some(left_out);
+            report.notes.push(format!("memory ran out: {} points are not in the picture", grouped(left_out)));
+        }
+        report.batches = self.progressive.insertions();
+        report.converged = converged;
+        report.grid = self.facts.as_ref().map(|facts| facts.grid);
+        report.bounds = self.facts.as_ref().map(|facts| facts.bounds);
+        report.seconds = self.seconds;
+        report.peak_memory_bytes = peak_memory_bytes();
+        report.picture_sha256 = picture_sha256(picture);
+        report
+    }
+}
+
+/// The report comes last: where it is, the rest is too.
+fn write_outputs(settings: &Settings, report: &Report, picture: &Picture) -> Result<(), OutputError> {
+    let outputs = &settings.outputs;
+    let size = [picture.width, picture.height];
+    if let Some(destination) = &outputs.picture {
+        destination.write(|out| write_png(out, picture))?;
+    }
+    if let Some(destination) = &outputs.ids {
+        destination.write(|out| write_npy_i64(out, size, &picture.records))?;
+    }
+    if let Some(destination) = &outputs.depth {
+        destination.write(|out| write_npy_f32(out, size, &picture.depth))?;
+    }
+    if let Some(destination) = &outputs.report {
+        destination.write(|out| {
+            serde_json::to_writer_pretty(&mut *out, report)?;
+            out.write_all(b"\n")
+        })?;
+    }
+    Ok(())
+}

@@ -1,0 +1,105 @@
+//! What to render, validated.
+
+use std::{path::PathBuf, time::Instant};
+
+use super::{outputs::Outputs, progress::ProgressStyle};
+use crate::render::{Camera, FillBudget, RasterChoice, Shading, StoreOptions};
+
+/// Device time that a frame aims at when the fill follows it, seconds. Nobody watches, so that frames
+/// may be longer than a window's: fewer of them, and less spent on what each frame costs anyway.
+pub const FRAME_SECS: f64 = 0.05;
+
+/// Points that a frame's fill tries where the run is to be repeatable and `--fill` says nothing.
+pub const REPEATABLE_FILL: u32 = 1_000_000;
+
+/// Where to draw.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum BackendChoice {
+    /// On a GPU; without one, on the processor.
+    #[default]
+    Auto,
+    Gpu,
+    Cpu,
+}
+
+/// When the picture is finished.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Stop {
+    /// When all points are loaded and tried.
+    #[default]
+    Converged,
+    /// After so many frames, or once the picture has converged.
+    Frames(u64),
+    /// When the first so many points (of the files in order) are stored and tried.
+    Points(u64),
+}
+
+impl Stop {
+    /// True if every frame is to take in the same points on every run, whatever the threads' timing.
+    pub fn is_repeatable(self) -> bool {
+        self != Stop::Converged
+    }
+}
+
+impl std::fmt::Display for Stop {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Stop::Converged => f.write_str("converged"),
+            Stop::Frames(n) => write!(f, "frames={n}"),
+            Stop::Points(n) => write!(f, "points={n}"),
+        }
+    }
+}
+
+/// All that [`super::render`] needs to know.
+#[derive(Debug)]
+pub struct Settings {
+    /// Files and folders.
+    pub inputs: Vec<PathBuf>,
+    pub outputs: Outputs,
+    /// Width and height, pixels.
+    pub size: [u32; 2],
+    /// By default the whole scene, from the south and above.
+    pub camera: Option<Camera>,
+    pub backend: BackendChoice,
+    pub raster: RasterChoice,
+    /// Points that each frame's fill tries; by default [`REPEATABLE_FILL`] where `stop` asks for a
+    /// repeatable run, else as many as fit into [`FRAME_SECS`].
+    pub fill: Option<u32>,
+    /// Width of a point, pixels.
+    pub point_size: u32,
+    pub shading: Shading,
+    pub seed: u64,
+    /// Points per insertion into the store.
+    pub insertion_points: u32,
+    pub stop: Stop,
+    /// Load everything, then draw all points at once, without the progressive method.
+    pub brute_force: bool,
+    /// Decoder threads, and threads of the CPU backend.
+    pub threads: Option<usize>,
+    pub progress: ProgressStyle,
+    /// Where the report's seconds start.
+    pub started: Instant,
+}
+
+impl Settings {
+    pub(super) fn store_options(&self) -> StoreOptions {
+        let mut options =
+            StoreOptions { seed: self.seed, insertion_points: self.insertion_points, ..Default::default() };
+        if let Stop::Points(points) = self.stop {
+            options.max_points = points;
+        }
+        options
+    }
+
+    pub(super) fn fill_budget(&self) -> FillBudget {
+        match self.fill {
+            // Loading for brute force needs frames, since a backend takes only so many insertions
+            // between two, but nothing of what they show is used.
+            _ if self.brute_force => FillBudget::Fixed(0),
+            Some(points) => FillBudget::Fixed(points),
+            None if self.stop.is_repeatable() => FillBudget::Fixed(REPEATABLE_FILL),
+            None => FillBudget::Target(FRAME_SECS),
+        }
+    }
+}

@@ -1,0 +1,244 @@
+//! The public header block of a LAS or LAZ file, read tolerantly: what can be worked around becomes a
+//! warning, what cannot becomes a [`SourceError`]. Nothing is allocated on the header's word alone.
+
+use std::{
+    fs::File,
+    io::Read,
+    path::{Path, PathBuf},
+};
+
+use super::{
+    SourceError,
+    bytes::{i32_at, read_vec_at, text},
+    inputs::from_io,
+    vlr::{self, Vlr},
+};
+use crate::scene::Bounds;
+
+/// Bytes of a record of each point format, without extra bytes.
+pub const RECORD_LENGTHS: [u16; 11] = [20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67];
+
+/// Bytes of the header that LAS 1.4 defines; 1.5 adds some behind them that nobody here needs.
+const HEADER_1_4: usize = 375;
+const HEADER_1_0: u64 = 227;
+
+/// A file's header and its lists of variable length records.
+#[derive(Debug)]
+pub struct Header {
+    pub path: PathBuf,
+    pub file_length: u64,
+    /// The header's fields as they are in the file.
+    pub raw: las::raw::Header,
+    /// Point record format, 0 to 10, without the bits that mark compression.
+    pub format: u8,
+    pub compressed: bool,
+    /// Points that the header promises: the 64-bit count where there is one, else the legacy count.
+    pub points: u64,
+    pub points_by_return: Vec<u64>,
+    /// Scale and offset per axis, made usable: never zero or not finite.
+    pub scale: [f64; 3],
+    pub offset: [f64; 3],
+    /// The header's box, as it is.
+    pub bounds: Bounds,
+    pub vlrs: Vec<Vlr>,
+    pub evlrs: Vec<Vlr>,
+    /// Oddities that cost nothing, one line each.
+    pub warnings: Vec<String>,
+}
+
+impl Header {
+    /// Opens a file and reads its header.
+    pub fn read(path: &Path) -> Result<(Header, File), SourceError> {
+        let (file, file_length) = open_regular(path)?;
+        let io = |error| from_io(path, "read the header", &error);
+        let mut bytes = read_vec_at(&file, 0, HEADER_1_4.min(file_length as usize)).map_err(io)?;
+        check_signature(path, &bytes)?;
+        let found = bytes.len() as u64;
+        let cut = |expected| SourceError::HeaderCut { path: path.into(), expected, found };
+        if found < HEADER_1_0 {
+            return Err(cut(HEADER_1_0));
+        }
+        let (major, minor) = (bytes[24], bytes[25]);
+        if major != 1 || minor > 5 {
+            return Err(SourceError::Version { path: path.into(), major, minor });
+        }
+        // las knows versions up to 1.4; 1.5 keeps their layout and appends to it.
+        bytes[25] = minor.min(4);
+        let standard = u64::from(las::Version::new(1, bytes[25]).header_size());
+        if found < standard {
+            return Err(cut(standard));
+        }
+        let mut raw = las::raw::Header::read_from(bytes.as_slice().chain(std::io::repeat(0)))
+            .map_err(|e| SourceError::Io { path: path.into(), doing: "read the header", reason: e.to_string() })?;
+        raw.version.minor = minor;
+        raw.padding = Vec::new();
+
+        // LASzip sets bit 7 of the format (and used bit 6 once).
+        let format = raw.point_data_record_format & 0x3f;
+        let compressed = raw.point_data_record_format & 0xc0 != 0;
+        let Some(&expected) = RECORD_LENGTHS.get(usize::from(format)) else {
+            return Err(SourceError::Format { path: path.into(), found: raw.point_data_record_format });
+        };
+        let found = raw.point_data_record_length;
+        if found < expected {
+            return Err(SourceError::RecordLength { path: path.into(), format, expected, found });
+        }
+        if u64::from(raw.offset_to_point_data) < standard {
+            let found = raw.offset_to_point_data;
+            return Err(SourceError::PointOffset { path: path.into(), header_size: raw.header_size, found });
+        }
+
+        let mut warnings = Vec::new();
+        let (points, points_by_return) = counts(&raw, &mut warnings);
+        let (scale, offset) = usable_transform(&raw, &mut warnings);
+        let bounds = Bounds { min: [raw.min_x, raw.min_y, raw.min_z], max: [raw.max_x, raw.max_y, raw.max_z] };
+        let (vlrs, evlrs) = records(&file, file_length, &raw, standard, &mut warnings).map_err(io)?;
+        let header = Header {
+            path: path.into(),
+            file_length,
+            raw,
+            format,
+            compressed,
+            points,
+            points_by_return,
+            scale,
+            offset,
+            bounds,
+            vlrs,
+            evlrs,
+            warnings,
+        };
+        Ok((header, file))
+    }
+
+    pub fn record_length(&self) -> usize {
+        usize::from(self.raw.point_data_record_length)
+    }
+
+    /// File offset of the point data.
+    pub fn data_at(&self) -> u64 {
+        u64::from(self.raw.offset_to_point_data)
+    }
+
+    /// e.g. "LAZ 1.4, format 7".
+    pub fn kind(&self) -> String {
+        let family = match (self.compressed, self.is_copc()) {
+            (true, true) => "COPC",
+            (true, false) => "LAZ",
+            (false, _) => "LAS",
+        };
+        format!("{family} {}.{}, format {}", self.raw.version.major, self.raw.version.minor, self.format)
+    }
+
+    pub fn is_copc(&self) -> bool {
+        self.vlrs.first().is_some_and(|v| v.is("copc", 1))
+    }
+
+    /// Byte offset of red, green, blue in a record, if the format has them.
+    pub fn rgb_at(&self) -> Option<usize> {
+        rgb_at(self.format)
+    }
+
+    pub fn all_vlrs(&self) -> impl Iterator<Item = &Vlr> {
+        self.vlrs.iter().chain(&self.evlrs)
+    }
+}
+
+/// Byte offset of red, green, blue in a record of a format, if it has them.
+pub fn rgb_at(format: u8) -> Option<usize> {
+    match format {
+        2 => Some(20),
+        3 | 5 => Some(28),
+        7 | 8 | 10 => Some(30),
+        _ => None,
+    }
+}
+
+/// Opens a regular file; a pipe or a device would block or never end.
+pub fn open_regular(path: &Path) -> Result<(File, u64), SourceError> {
+    let meta = std::fs::metadata(path).map_err(|e| from_io(path, "look at the file", &e))?;
+    if !meta.is_file() {
+        let found = if meta.is_dir() { "a folder" } else { "a pipe or a device" };
+        return Err(SourceError::NotAFile { path: path.into(), found });
+    }
+    let file = File::open(path).map_err(|e| from_io(path, "open the file", &e))?;
+    Ok((file, meta.len()))
+}
+
+fn check_signature(path: &Path, bytes: &[u8]) -> Result<(), SourceError> {
+    if bytes.starts_with(b"LASF") {
+        return Ok(());
+    }
+    let found = match bytes.get(..bytes.len().min(4)) {
+        None | Some([]) => "an empty file".to_owned(),
+        Some(start) if start.iter().all(|b| b.is_ascii_graphic() || *b == b' ') => format!("«{}»", text(start)),
+        Some(start) => start.iter().map(|b| format!("{b:02x}")).collect::<Vec<_>>().join(" "),
+    };
+    Err(SourceError::NotLas { path: path.into(), found })
+}
+
+/// The point count to believe, and the counts per return that go with it.
+fn counts(raw: &las::raw::Header, warnings: &mut Vec<String>) -> (u64, Vec<u64>) {
+    let legacy = u64::from(raw.number_of_point_records);
+    let legacy_by_return: Vec<u64> = raw.number_of_points_by_return.iter().map(|&n| n.into()).collect();
+    match raw.large_file {
+        Some(large) if large.number_of_point_records != 0 => {
+            let points = large.number_of_point_records;
+            if legacy != 0 && legacy != points {
+                warnings.push(format!("two point counts: {points} (byte 247, used) and {legacy} (byte 107, legacy)"));
+            }
+            (points, large.number_of_points_by_return.to_vec())
+        }
+        _ => (legacy, legacy_by_return),
+    }
+}
+
+/// Scale and offset, with anything unusable replaced (and said so): a scale of zero would put all
+/// points into one place, and a NaN nowhere at all.
+fn usable_transform(raw: &las::raw::Header, warnings: &mut Vec<String>) -> ([f64; 3], [f64; 3]) {
+    let mut scale = [raw.x_scale_factor, raw.y_scale_factor, raw.z_scale_factor];
+    let mut offset = [raw.x_offset, raw.y_offset, raw.z_offset];
+    for (axis, name) in ["x", "y", "z"].iter().enumerate() {
+        let found = scale[axis];
+        if !(1e-15..=1e15).contains(&found.abs()) {
+            warnings.push(format!("{name} scale: expected a number that is not zero, found {found:e}; 1 is used"));
+            scale[axis] = 1.0;
+        }
+        let found = offset[axis];
+        if !found.is_finite() || found.abs() > 1e15 {
+            warnings.push(format!("{name} offset: expected a coordinate, found {found:e}; 0 is used"));
+            offset[axis] = 0.0;
+        }
+    }
+    (scale, offset)
+}
+
+fn records(
+    file: &File,
+    file_length: u64,
+    raw: &las::raw::Header,
+    standard: u64,
+    warnings: &mut Vec<String>,
+) -> std::io::Result<(Vec<Vlr>, Vec<Vlr>)> {
+    let mut start = u64::from(raw.header_size);
+    if start < standard {
+        warnings.push(format!("header size {start} is less than the {standard} bytes of its version; {standard} used"));
+        start = standard;
+    }
+    let end = u64::from(raw.offset_to_point_data).min(file_length);
+    let vlrs = vlr::walk(file, (start, end), raw.number_of_variable_length_records.into(), false, warnings)?;
+    let evlrs = match raw.evlr {
+        Some(evlr) if evlr.number_of_evlrs > 0 && evlr.start_of_first_evlr > 0 => {
+            let span = (evlr.start_of_first_evlr, file_length);
+            vlr::walk(file, span, evlr.number_of_evlrs.into(), true, warnings)?
+        }
+        _ => Vec::new(),
+    };
+    Ok((vlrs, evlrs))
+}
+
+/// Reads the first 12 bytes of a raw record: X, Y, Z.
+pub fn xyz_at(file: &File, at: u64) -> Option<[i32; 3]> {
+    let bytes = read_vec_at(file, at, 12).ok().filter(|b| b.len() == 12)?;
+    Some(std::array::from_fn(|a| i32_at(&bytes, 4 * a)))
+}

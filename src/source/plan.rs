@@ -1,0 +1,188 @@
+//! Everything that is decided before the first point is decoded: which files can be read, where their
+//! points are, which grid they share, and which record numbers they get.
+
+use std::{
+    fs::File,
+    path::{Path, PathBuf},
+    sync::atomic::{AtomicBool, Ordering},
+};
+
+use super::{
+    FileReport, SourceError,
+    chunks::LazLayout,
+    grid::{self, FileGrid, Placement},
+    header::{Header, xyz_at},
+    inputs,
+    record::RecordReader,
+};
+use crate::scene::{Bounds, FileFacts, SceneFacts};
+
+/// Positions that are looked at where the header's box is in doubt.
+const SAMPLES: u64 = 256;
+
+/// Where a file's points are.
+pub enum Layout {
+    /// Records of fixed length, one after the other.
+    Las,
+    Laz(LazLayout),
+}
+
+/// A file that will be read.
+pub struct FilePlan {
+    pub header: Header,
+    pub layout: Layout,
+    /// Points to decode: what the header promises, as far as the file can hold it.
+    pub points: u64,
+    pub reader: RecordReader,
+    /// The box that the scene may rely on for a first view.
+    pub bounds: Bounds,
+    pub warnings: Vec<String>,
+}
+
+/// All that will be read, and a report for each input that cannot be.
+pub struct Plan {
+    pub facts: SceneFacts,
+    pub files: Vec<FilePlan>,
+    pub failed: Vec<FileReport>,
+}
+
+/// Lists the inputs, reads all headers, and lays the grid.
+pub fn make(paths: &[PathBuf], cancel: &AtomicBool) -> Result<Plan, SourceError> {
+    let (paths, mut errors) = inputs::list(paths);
+    let mut files: Vec<FilePlan> = Vec::new();
+    let mut first_record = 0u64;
+    for path in paths {
+        if cancel.load(Ordering::Relaxed) {
+            break;
+        }
+        match open_file(&path, first_record) {
+            Ok(file) => {
+                first_record += file.points;
+                files.push(file);
+            }
+            Err(error) => errors.push((path, error)),
+        }
+    }
+    if files.is_empty() {
+        let mut errors: Vec<SourceError> = errors.into_iter().map(|(_, e)| e).collect();
+        return Err(if errors.len() == 1 { errors.remove(0) } else { SourceError::AllFailed { errors } });
+    }
+    let grids: Vec<FileGrid> = files.iter().map(FilePlan::grid).collect();
+    let (grid, warnings) = grid::choose(&grids);
+    files[0].warnings.extend(warnings);
+    for (file, own) in files.iter_mut().zip(&grids) {
+        file.reader.placement = Placement::new(own, &grid);
+    }
+    // An empty file's box is often all zeros: it must not pull the view away.
+    let with_points = files.iter().filter(|f| f.points > 0).map(|f| f.bounds);
+    let bounds = with_points.reduce(|a, b| a.union(&b)).unwrap_or(files[0].bounds);
+    let facts = SceneFacts { grid, bounds, files: files.iter().map(FilePlan::facts).collect() };
+    let failed = errors.into_iter().map(|(path, error)| FileReport::not_opened(path, &error)).collect();
+    Ok(Plan { facts, files, failed })
+}
+
+fn open_file(path: &Path, first_record: u64) -> Result<FilePlan, SourceError> {
+    let (mut header, file) = Header::read(path)?;
+    let mut warnings = std::mem::take(&mut header.warnings);
+    let (layout, points) = if header.compressed {
+        let layout = LazLayout::read(&header, &file, &mut warnings)?;
+        let points = layout.points();
+        (Layout::Laz(layout), points)
+    } else {
+        (Layout::Las, las_points(&header, &mut warnings))
+    };
+    if first_record.saturating_add(points) > u64::from(u32::MAX) {
+        return Err(SourceError::TooManyPoints { path: path.into(), points, before: first_record });
+    }
+    let bounds = promised_bounds(&header, &layout, points, &file, &mut warnings);
+    let reader = RecordReader {
+        record_length: header.record_length(),
+        rgb_at: header.rgb_at(),
+        placement: Placement::IDENTITY,
+        bounds: reachable(&header).then(|| grid::box_in_steps(&header.bounds, header.scale, header.offset)).flatten(),
+        first_record: first_record as u32,
+    };
+    Ok(FilePlan { header, layout, points, reader, bounds, warnings })
+}
+
+impl FilePlan {
+    fn grid(&self) -> FileGrid {
+        FileGrid { scale: self.header.scale, offset: self.header.offset, bounds: self.bounds }
+    }
+
+    fn facts(&self) -> FileFacts {
+        FileFacts {
+            path: self.header.path.clone(),
+            first_record: self.reader.first_record,
+            points_in_header: self.points,
+            bounds: self.bounds,
+            kind: self.header.kind(),
+        }
+    }
+}
+
+/// Records that an uncompressed file has room for, at most the header's count.
+fn las_points(header: &Header, warnings: &mut Vec<String>) -> u64 {
+    let room = header.file_length.saturating_sub(header.data_at()) / header.record_length() as u64;
+    let evlrs_behind = header.evlrs.iter().any(|v| v.data_at > header.data_at());
+    let waves_behind = header.raw.start_of_waveform_data_packet_record.is_some();
+    if room > header.points && !evlrs_behind && !waves_behind {
+        warnings.push(format!(
+            "the header counts {} points, the file has room for {room}: the rest is not read",
+            header.points
+        ));
+    }
+    room.min(header.points)
+}
+
+/// True if the header's box makes sense and lies where the header's scale and offset can reach.
+fn reachable(header: &Header) -> bool {
+    let reach = |a: usize, x: f64| ((x - header.offset[a]) / header.scale[a]).abs() < 2f64.powi(33);
+    header.bounds.is_sane() && (0..3).all(|a| reach(a, header.bounds.min[a]) && reach(a, header.bounds.max[a]))
+}
+
+/// The header's box, unless it is nonsense or most of some sampled points lie outside of it.
+fn promised_bounds(header: &Header, layout: &Layout, points: u64, file: &File, warnings: &mut Vec<String>) -> Bounds {
+    let sane = reachable(header);
+    let world = |p: [i32; 3]| std::array::from_fn(|a| header.offset[a] + header.scale[a] * f64::from(p[a]));
+    let slack: [f64; 3] = header.scale.map(|s| 0.51 * s.abs());
+    let inside = |p: &[f64; 3]| {
+        (0..3).all(|a| p[a] >= header.bounds.min[a] - slack[a] && p[a] <= header.bounds.max[a] + slack[a])
+    };
+    let first = sample(header, layout, points, file, 1);
+    if points == 0 {
+        return if sane { header.bounds } else { Bounds { min: header.offset, max: header.offset } };
+    }
+    if sane && first.iter().all(|&p| inside(&world(p))) {
+        return header.bounds;
+    }
+    let sampled: Vec<[f64; 3]> = sample(header, layout, points, file, SAMPLES).into_iter().map(world).collect();
+    let outside = sampled.iter().filter(|p| !inside(p)).count();
+    if sane && 2 * outside <= sampled.len() {
+        return header.bounds;
+    }
+    let around = sampled.iter().map(|&p| Bounds { min: p, max: p }).reduce(|a, b| a.union(&b));
+    warnings.push(format!(
+        "the header's box {:?} to {:?} does not hold the points: that of {} sampled points is used",
+        header.bounds.min,
+        header.bounds.max,
+        sampled.len()
+    ));
+    around.unwrap_or(Bounds { min: header.offset, max: header.offset })
+}
+
+/// Positions that lie in the file uncompressed: any record of a LAS file, the first of each LAZ chunk.
+fn sample(header: &Header, layout: &Layout, points: u64, file: &File, count: u64) -> Vec<[i32; 3]> {
+    let read = |at: u64| xyz_at(file, at);
+    match layout {
+        Layout::Las => {
+            let length = header.record_length() as u64;
+            let count = count.min(points);
+            (0..count).filter_map(|i| read(header.data_at() + i * (points / count) * length)).collect()
+        }
+        Layout::Laz(layout) => {
+            let step = layout.chunks.len().div_ceil(count as usize).max(1);
+            layout.chunks.iter().step_by(step).filter_map(|c| read(c.at)).collect()
+        }
+    }
+}

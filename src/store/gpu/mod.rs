@@ -1,0 +1,275 @@
+//! The store on the GPU: a ring of upload buffers, the kernels that insert a batch into random slots
+//! and move the points it evicts, and the pages that hold all of it.
+
+mod lists;
+mod pages;
+
+pub use lists::{DISPATCH_ARGUMENTS, SlotLists};
+pub use pages::{Page, Pages};
+use wgpu::BufferUsages;
+
+use super::{Insertion, ROUNDS};
+use crate::{
+    gpu::{
+        kernel::{self, Binding},
+        shaders,
+    },
+    render::RenderError,
+    scene::PointBatch,
+};
+
+/// Insertions that one frame may take. More would let the look-ups of a visible point outgrow its
+/// drawing; at 65,536 points each, 60 frames a second take 63 million points.
+pub const INSERTIONS_PER_FRAME: usize = 16;
+
+/// Words of a point on its way: position, attributes, record.
+const POINT_WORDS: u64 = 6;
+
+/// An insertion in numbers for the kernels. Layout shared with `shaders/permutation.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct InsertionUniform {
+    pub old_points: u32,
+    pub new_points: u32,
+    pub left_bits: u32,
+    pub right_bits: u32,
+    pub keys: [u32; ROUNDS],
+    pub fresh_before: u32,
+    pub staging_capacity: u32,
+    pub unused_a: u32,
+    pub unused_b: u32,
+}
+
+/// One batch uploaded and not yet inserted.
+struct Staging {
+    uniform: wgpu::Buffer,
+    points: wgpu::Buffer,
+    bind: wgpu::BindGroup,
+}
+
+struct Pipelines {
+    count: wgpu::ComputePipeline,
+    scan: wgpu::ComputePipeline,
+    assign: wgpu::ComputePipeline,
+    link: wgpu::ComputePipeline,
+    evict: wgpu::ComputePipeline,
+    settle: wgpu::ComputePipeline,
+    relocate_visible: wgpu::ComputePipeline,
+    relocate_fresh: wgpu::ComputePipeline,
+}
+
+/// What depends on the size of an insertion.
+struct Scratch {
+    capacity: u32,
+    ring: Vec<Staging>,
+    moved_to: wgpu::Buffer,
+    bind_assign: wgpu::BindGroup,
+    bind_move: wgpu::BindGroup,
+}
+
+/// The shuffled, growing, paged point buffer on the GPU.
+pub struct GpuStore {
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    pub pages: Pages,
+    pub lists: SlotLists,
+    page_points: Option<u32>,
+    relocation: bool,
+    pipelines: Pipelines,
+    layout_staging: wgpu::BindGroupLayout,
+    layout_assign: wgpu::BindGroupLayout,
+    layout_move: wgpu::BindGroupLayout,
+    layout_relocate: wgpu::BindGroupLayout,
+    scratch: Option<Scratch>,
+    /// Uploaded in the ring, in order, to be inserted by the next frame.
+    pending: Vec<Insertion>,
+    fresh_points: u32,
+}
+
+impl GpuStore {
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> GpuStore {
+        use Binding::{Read, ReadWrite, Uniform};
+        let compute = wgpu::ShaderStages::COMPUTE;
+        let layout = |label, bindings: &[Binding]| kernel::layout(device, label, compute, bindings);
+        let layout_staging = layout("staging", &[Uniform, Read]);
+        let layout_assign = layout("assign", &[ReadWrite; 6]);
+        let layout_move = layout("move", &[Read, Read, ReadWrite]);
+        let layout_relocate = layout("relocate", &[Uniform, Read, ReadWrite, Read, ReadWrite]);
+        let pages = Pages::new(device);
+        let insert = shaders::INSERT.module(device);
+        let moves = shaders::MOVE.module(device);
+        let relocate = shaders::RELOCATE.module(device);
+        let assigns = |entry| kernel::compute(device, &insert, entry, &[&layout_staging, &layout_assign]);
+        let moving =
+            |entry| kernel::compute(device, &moves, entry, &[&layout_staging, &pages.layout_all, &layout_move]);
+        let relocating = |entry| kernel::compute(device, &relocate, entry, &[&layout_relocate]);
+        GpuStore {
+            pipelines: Pipelines {
+                count: assigns("count"),
+                scan: assigns("scan"),
+                assign: assigns("assign"),
+                link: assigns("link"),
+                evict: moving("evict"),
+                settle: moving("settle"),
+                relocate_visible: relocating("relocate_visible"),
+                relocate_fresh: relocating("relocate_fresh"),
+            },
+            lists: SlotLists::new(device),
+            pages,
+            device: device.clone(),
+            queue: queue.clone(),
+            page_points: None,
+            relocation: true,
+            layout_staging,
+            layout_assign,
+            layout_move,
+            layout_relocate,
+            scratch: None,
+            pending: Vec::new(),
+            fresh_points: 0,
+        }
+    }
+
+    /// Size of the pages of scenes to come; by default as large as the device allows.
+    pub fn set_page_points(&mut self, points: Option<u32>) {
+        self.page_points = points;
+    }
+
+    /// Whether lists of slots follow points that an insertion moves. Without it pixels are lost while
+    /// points arrive: for measuring just that.
+    pub fn set_relocation(&mut self, on: bool) {
+        self.relocation = on;
+    }
+
+    /// Empties the store; `points` are to come.
+    pub fn reset(&mut self, points: u64) {
+        self.pages.reset(points, self.page_points);
+        self.pending.clear();
+        self.fresh_points = 0;
+    }
+
+    /// Points inserted since the last frame.
+    pub fn fresh_points(&self) -> u32 {
+        self.fresh_points
+    }
+
+    /// Uploads a batch, to be inserted by [`GpuStore::record`].
+    pub fn upload(&mut self, insertion: &Insertion, points: &PointBatch) -> Result<(), RenderError> {
+        assert!(self.pending.len() < INSERTIONS_PER_FRAME, "a frame takes {INSERTIONS_PER_FRAME} insertions");
+        self.pages.grow(&self.device, &self.queue, insertion.old + insertion.new, insertion.old)?;
+        if self.scratch.as_ref().is_none_or(|scratch| scratch.capacity < insertion.new) {
+            assert!(self.pending.is_empty(), "a frame's first insertion is its largest");
+            self.make_scratch(insertion.new);
+        }
+        let Some(scratch) = &self.scratch else { unreachable!("just made") };
+        let staging = &scratch.ring[self.pending.len()];
+        let (left_bits, right_bits, keys) = insertion.permutation.parts();
+        let uniform = InsertionUniform {
+            old_points: insertion.old,
+            new_points: insertion.new,
+            left_bits,
+            right_bits,
+            keys,
+            fresh_before: self.fresh_points,
+            staging_capacity: scratch.capacity,
+            unused_a: 0,
+            unused_b: 0,
+        };
+        self.queue.write_buffer(&staging.uniform, 0, bytemuck::bytes_of(&uniform));
+        let capacity = u64::from(scratch.capacity);
+        self.queue.write_buffer(&staging.points, 0, bytemuck::cast_slice(&points.positions));
+        self.queue.write_buffer(&staging.points, 12 * capacity, bytemuck::cast_slice(&points.colors));
+        self.queue.write_buffer(&staging.points, 20 * capacity, bytemuck::cast_slice(&points.records));
+        self.pending.push(*insertion);
+        self.fresh_points += insertion.new;
+        Ok(())
+    }
+
+    /// Records all pending insertions: assignment, moves, and the relocation of both lists.
+    pub fn record(&mut self, pass: &mut wgpu::ComputePass<'_>) {
+        let Some(scratch) = &self.scratch else { return };
+        let p = &self.pipelines;
+        for (insertion, staging) in self.pending.iter().zip(&scratch.ring) {
+            pass.set_bind_group(0, &staging.bind, &[]);
+            pass.set_bind_group(1, &scratch.bind_assign, &[]);
+            for (pipeline, threads) in
+                [(&p.count, insertion.new), (&p.scan, 1), (&p.assign, insertion.new), (&p.link, insertion.new)]
+            {
+                pass.set_pipeline(pipeline);
+                kernel::dispatch(pass, threads);
+            }
+            let end = insertion.old + insertion.new;
+            for (pipeline, first) in [(&p.evict, 0), (&p.settle, insertion.old)] {
+                pass.set_pipeline(pipeline);
+                pass.set_bind_group(2, &scratch.bind_move, &[]);
+                for page in self.pages.holding(first, end) {
+                    pass.set_bind_group(1, &page.bind_all, &[]);
+                    kernel::dispatch(pass, insertion.new);
+                }
+            }
+            if self.relocation {
+                self.record_relocation(pass, scratch, staging);
+            }
+        }
+        self.pending.clear();
+    }
+
+    fn record_relocation(&self, pass: &mut wgpu::ComputePass<'_>, scratch: &Scratch, staging: &Staging) {
+        let lists = &self.lists;
+        let bind = kernel::bind_buffers(
+            &self.device,
+            "relocate",
+            &self.layout_relocate,
+            &[&staging.uniform, &scratch.moved_to, &lists.visible, &lists.visible_arguments, &lists.fresh],
+        );
+        pass.set_bind_group(0, &bind, &[]);
+        pass.set_pipeline(&self.pipelines.relocate_visible);
+        pass.dispatch_workgroups_indirect(&lists.visible_arguments, DISPATCH_ARGUMENTS);
+        pass.set_pipeline(&self.pipelines.relocate_fresh);
+        kernel::dispatch(pass, self.fresh_points);
+    }
+
+    /// Record number of the point in each slot of the pages, in order; waits for the device. Slots
+    /// beyond the points stored hold zeros.
+    pub fn read_records(&self) -> Result<Vec<u32>, RenderError> {
+        let mut records = Vec::new();
+        for page in self.pages.iter() {
+            records.extend(kernel::read_words(&self.device, &self.queue, &page.records)?);
+        }
+        Ok(records)
+    }
+
+    /// After a frame: its fresh points are drawn.
+    pub fn forget_fresh(&mut self) {
+        self.fresh_points = 0;
+    }
+
+    fn make_scratch(&mut self, capacity: u32) {
+        let device = &self.device;
+        let words = |label, words: u64| {
+            kernel::buffer(device, label, words * 4, BufferUsages::STORAGE | BufferUsages::COPY_DST)
+        };
+        let n = u64::from(capacity);
+        let ring = (0..INSERTIONS_PER_FRAME)
+            .map(|_| {
+                let uniform = kernel::uniform(device, "insertion", size_of::<InsertionUniform>() as u64);
+                let points = words("staging", POINT_WORDS * n);
+                let bind = kernel::bind_buffers(device, "staging", &self.layout_staging, &[&uniform, &points]);
+                Staging { uniform, points, bind }
+            })
+            .collect();
+        let [targets, ranks, free_slots, moved_to] =
+            ["targets", "ranks", "free slots", "moved to"].map(|label| words(label, n));
+        let sums = words("sums", 2 * n.div_ceil(kernel::GROUP.into()));
+        let carried = words("carried", POINT_WORDS * n);
+        self.lists.resize_fresh(device, capacity * INSERTIONS_PER_FRAME as u32);
+        let assign = [&targets, &ranks, &free_slots, &moved_to, &sums, &self.lists.fresh];
+        self.scratch = Some(Scratch {
+            capacity,
+            bind_assign: kernel::bind_buffers(device, "assign", &self.layout_assign, &assign),
+            bind_move: kernel::bind_buffers(device, "move", &self.layout_move, &[&targets, &moved_to, &carried]),
+            ring,
+            moved_to,
+        });
+    }
+}

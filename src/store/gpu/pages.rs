@@ -1,0 +1,125 @@
+//! The pages that hold the points on the GPU: equal in size, added as the store grows, never copied.
+
+use wgpu::BufferUsages;
+
+use crate::{
+    gpu::kernel::{self, Binding},
+    render::RenderError,
+};
+
+/// Bytes of a position: three 32-bit integers on the scene's grid.
+const POSITION_BYTES: u64 = 12;
+/// Bytes of the attributes: red, green, blue, intensity in 16 bits each.
+const ATTRIBUTE_BYTES: u64 = 8;
+const RECORD_BYTES: u64 = 4;
+
+/// No page is smaller, whatever a header promises.
+const MIN_PAGE_POINTS: u32 = 65_536;
+
+/// Slots `[first, first + len)`.
+pub struct Page {
+    pub first: u32,
+    pub len: u32,
+    /// Record number of each point.
+    pub records: wgpu::Buffer,
+    /// Everything, for the kernels that move points.
+    pub bind_all: wgpu::BindGroup,
+    /// Positions alone, for the rasterizers.
+    pub bind_positions: wgpu::BindGroup,
+    /// Everything, read only, for the resolve pass.
+    pub bind_resolve: wgpu::BindGroup,
+}
+
+/// All pages, and the layouts of their bind groups.
+pub struct Pages {
+    pages: Vec<Page>,
+    page_points: u32,
+    max_page_points: u32,
+    pub layout_all: wgpu::BindGroupLayout,
+    pub layout_positions: wgpu::BindGroupLayout,
+    pub layout_resolve: wgpu::BindGroupLayout,
+}
+
+impl Pages {
+    pub fn new(device: &wgpu::Device) -> Pages {
+        use Binding::{Read, ReadWrite, Uniform};
+        let layout = |label, visibility, bindings: &[Binding]| kernel::layout(device, label, visibility, bindings);
+        let compute = wgpu::ShaderStages::COMPUTE;
+        let limits = device.limits();
+        let bytes = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+        Pages {
+            pages: Vec::new(),
+            page_points: MIN_PAGE_POINTS,
+            max_page_points: (bytes / POSITION_BYTES).min(1 << 30) as u32,
+            layout_all: layout("page", compute, &[Uniform, ReadWrite, ReadWrite, ReadWrite]),
+            layout_positions: layout("page positions", compute | wgpu::ShaderStages::VERTEX, &[Uniform, Read]),
+            layout_resolve: layout("page attributes", compute, &[Uniform, Read, Read, Read]),
+        }
+    }
+
+    /// Drops all pages. `points` are to come: pages are made to hold them in equal parts.
+    /// `page_points` overrides that.
+    pub fn reset(&mut self, points: u64, page_points: Option<u32>) {
+        self.pages.clear();
+        let count = points.div_ceil(u64::from(self.max_page_points)).max(1);
+        let even = points.div_ceil(count).next_multiple_of(64).min(self.max_page_points.into()) as u32;
+        self.page_points = page_points.unwrap_or(even.max(MIN_PAGE_POINTS.min(self.max_page_points)));
+    }
+
+    pub fn iter(&self) -> std::slice::Iter<'_, Page> {
+        self.pages.iter()
+    }
+
+    pub fn at(&self, index: usize) -> &Page {
+        &self.pages[index]
+    }
+
+    /// Pages that hold slots of `[start, end)`.
+    pub fn holding(&self, start: u32, end: u32) -> &[Page] {
+        if start >= end {
+            return &[];
+        }
+        &self.pages[(start / self.page_points) as usize..end.div_ceil(self.page_points) as usize]
+    }
+
+    /// Adds pages until `points` fit. `stored` is for the message.
+    pub fn grow(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        points: u32,
+        stored: u32,
+    ) -> Result<(), RenderError> {
+        while (self.pages.len() as u64) * u64::from(self.page_points) < u64::from(points) {
+            let out_of_memory = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+            let page = self.page(device, queue);
+            if let Some(error) = pollster::block_on(out_of_memory.pop()) {
+                return Err(RenderError::OutOfMemory { stored: stored.into(), detail: error.to_string() });
+            }
+            self.pages.push(page);
+        }
+        Ok(())
+    }
+
+    fn page(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Page {
+        let first = self.pages.len() as u32 * self.page_points;
+        let len = self.page_points.min(u32::MAX - first);
+        let column = |label, bytes| {
+            kernel::buffer(device, label, u64::from(len) * bytes, BufferUsages::STORAGE | BufferUsages::COPY_SRC)
+        };
+        let uniform = kernel::uniform(device, "page", 16);
+        queue.write_buffer(&uniform, 0, bytemuck::cast_slice(&[first, len, 0, 0]));
+        let positions = column("positions", POSITION_BYTES);
+        let attributes = column("attributes", ATTRIBUTE_BYTES);
+        let records = column("records", RECORD_BYTES);
+        let all = [&uniform, &positions, &attributes, &records];
+        Page {
+            first,
+            len,
+            bind_all: kernel::bind_buffers(device, "page", &self.layout_all, &all),
+            bind_positions: kernel::bind_buffers(device, "page positions", &self.layout_positions, &all[..2]),
+            bind_resolve: kernel::bind_buffers(device, "page attributes", &self.layout_resolve, &all),
+            records,
+        }
+    }
+}

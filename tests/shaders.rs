@@ -1,0 +1,83 @@
+//! Every shader module is valid WGSL within WebGPU's means, and every struct that the host fills has
+//! the layout that the shader reads. Needs no GPU.
+
+use std::mem::offset_of;
+
+use firstlight::{
+    gpu::shaders::{self, Shader},
+    render::{FileColor, ShadingUniform, View},
+    store::gpu::InsertionUniform,
+};
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+
+fn validate(source: &str, capabilities: Capabilities) -> Result<naga::Module, String> {
+    let module = naga::front::wgsl::parse_str(source).map_err(|error| error.emit_to_string(source))?;
+    let mut validator = Validator::new(ValidationFlags::all(), capabilities);
+    validator.validate(&module).map_err(|error| error.emit_to_string(source))?;
+    Ok(module)
+}
+
+fn capabilities(shader: &Shader) -> Capabilities {
+    if shader.needs_int64 {
+        Capabilities::SHADER_INT64 | Capabilities::SHADER_INT64_ATOMIC_MIN_MAX
+    } else {
+        Capabilities::empty()
+    }
+}
+
+#[test]
+fn all_modules_are_valid() {
+    let failures: Vec<_> = shaders::ALL
+        .iter()
+        .filter_map(|shader| {
+            validate(&shader.source(), capabilities(shader)).err().map(|e| format!("{}:\n{e}", shader.name))
+        })
+        .collect();
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
+}
+
+#[test]
+fn validation_can_fail() {
+    let shader = &shaders::RASTER_64;
+    assert!(validate(&shader.source(), Capabilities::empty()).is_err(), "64-bit atomics need a capability");
+    let broken = shaders::CLEAR.source().replace("vec2<u32>(0xffffffffu)", "vec2<f32>(0.0)");
+    assert!(validate(&broken, Capabilities::empty()).is_err());
+}
+
+/// Names and offsets of the members of a WGSL struct, and its size.
+fn layout_of(shader: &Shader, name: &str) -> (Vec<(String, u32)>, u32) {
+    let module = validate(&shader.source(), capabilities(shader)).expect("a valid module");
+    let (_, ty) = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name)).expect("the struct exists");
+    let naga::TypeInner::Struct { members, span } = &ty.inner else { panic!("{name} is a struct") };
+    (members.iter().map(|m| (m.name.clone().unwrap_or_default(), m.offset)).collect(), *span)
+}
+
+macro_rules! host_layout {
+    ($ty:ty: $($field:ident),+) => {
+        (vec![$((stringify!($field).to_owned(), offset_of!($ty, $field) as u32)),+], size_of::<$ty>() as u32)
+    };
+}
+
+#[test]
+fn host_structs_have_the_layout_of_the_shaders() {
+    assert_eq!(
+        layout_of(&shaders::CLEAR, "View"),
+        host_layout!(View: row_x, row_y, row_w, eye_high, width, eye_low, height, eye_fraction, point_size)
+    );
+    assert_eq!(
+        layout_of(&shaders::INSERT, "Insertion"),
+        host_layout!(InsertionUniform: old_points, new_points, left_bits, right_bits, keys, fresh_before, staging_capacity, unused_a, unused_b)
+    );
+    assert_eq!(layout_of(&shaders::RESOLVE, "FileColor"), host_layout!(FileColor: first_record, kind, low, high));
+    assert_eq!(
+        layout_of(&shaders::LIGHT, "Shading"),
+        host_layout!(ShadingUniform: edl_factor, background, unused_a, unused_b)
+    );
+}
+
+#[test]
+fn group_size_and_rounds_are_the_hosts() {
+    let source = shaders::INSERT.source();
+    assert!(source.contains(&format!("const GROUP: u32 = {}u;", firstlight::gpu::kernel::GROUP)));
+    assert!(source.contains(&format!("const ROUNDS: u32 = {}u;", firstlight::store::ROUNDS)));
+}
