@@ -54,6 +54,9 @@ pub struct FrameReport {
     pub points_stored: u64,
     /// Points that were tried since the view last changed; all of them: the picture has converged.
     pub points_tried: u64,
+    /// False while ties between points of equal depth may stand that slots since renumbered decided;
+    /// a full cycle after loading settles them.
+    pub settled: bool,
     /// Points that the fill tried in this frame.
     pub fill: u32,
 }
@@ -61,7 +64,7 @@ pub struct FrameReport {
 impl FrameReport {
     /// The picture equals that of all points stored.
     pub fn is_converged(&self) -> bool {
-        self.points_tried == self.points_stored
+        self.settled && self.points_tried == self.points_stored
     }
 }
 
@@ -82,6 +85,10 @@ pub struct Progressive<B> {
     insertions: u64,
     stored: u32,
     coverage: Coverage,
+    /// Points moved to other slots after they had been compared by them. Among points of equal depth
+    /// in a pixel (duplicates, level ground from above) the lowest slot wins; if the winner moves
+    /// behind one that lost, only trying the loser again puts the picture right.
+    unsettled: bool,
     budget: BudgetController,
     last_view: Option<View>,
     last_shading: Option<Shading>,
@@ -104,6 +111,7 @@ impl<B: Backend> Progressive<B> {
             insertions: 0,
             stored: 0,
             coverage: Coverage::default(),
+            unsettled: false,
             budget: BudgetController::default(),
             last_view: None,
             last_shading: None,
@@ -135,6 +143,7 @@ impl<B: Backend> Progressive<B> {
         self.insertions = 0;
         self.stored = 0;
         self.coverage = Coverage::default();
+        self.unsettled = false;
         self.last_view = None;
     }
 
@@ -190,7 +199,7 @@ impl<B: Backend> Progressive<B> {
     pub fn frame(&mut self, request: &FrameRequest) -> Result<FrameReport, RenderError> {
         let view_changed = self.last_view != Some(request.view);
         if view_changed {
-            self.coverage.restart();
+            self.restart();
         }
         if let FillBudget::Target(secs) = request.fill
             && let Some(times) = self.backend.pass_times()
@@ -198,6 +207,9 @@ impl<B: Backend> Progressive<B> {
             self.budget.learn(&times, secs);
         }
         let inserted = self.insert_waiting()?;
+        if self.unsettled && self.is_loaded() {
+            self.restart();
+        }
         let complete = self.coverage.is_complete(self.stored);
         if !view_changed && inserted == 0 && complete && self.last_shading == Some(request.shading) {
             return Ok(self.report(false, 0));
@@ -215,6 +227,7 @@ impl<B: Backend> Progressive<B> {
     pub fn brute_force(&mut self, request: &FrameRequest) -> Result<FrameReport, RenderError> {
         self.insert_waiting()?;
         self.coverage = Coverage::default();
+        self.unsettled = false;
         let fill = self.coverage.advance(self.stored, self.stored);
         self.draw(request, false, false, fill)?;
         Ok(self.report(true, self.stored))
@@ -243,7 +256,19 @@ impl<B: Backend> Progressive<B> {
     }
 
     fn report(&self, drawn: bool, fill: u32) -> FrameReport {
-        FrameReport { drawn, points_stored: self.stored.into(), points_tried: self.coverage.tried().into(), fill }
+        FrameReport {
+            drawn,
+            points_stored: self.stored.into(),
+            points_tried: self.coverage.tried().into(),
+            settled: !self.unsettled,
+            fill,
+        }
+    }
+
+    /// Tries all points again, whatever was tried before.
+    fn restart(&mut self) {
+        self.coverage.restart();
+        self.unsettled = false;
     }
 
     /// Inserts what waits, as far as one frame may; returns the number of points.
@@ -263,6 +288,7 @@ impl<B: Backend> Progressive<B> {
             }
             self.staged.clear();
             self.coverage.note_inserted(self.stored, count);
+            self.unsettled |= self.stored > 0;
             self.stored += count;
             self.insertions += 1;
             inserted += count;
