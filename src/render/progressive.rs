@@ -5,7 +5,7 @@ use std::{collections::VecDeque, sync::Arc};
 use serde::Serialize;
 
 use super::{
-    backend::{Backend, FramePlan, Picture, RenderError, Shading},
+    backend::{Backend, FramePlan, PassTimes, Picture, RenderError, Shading},
     budget::{BudgetController, FillBudget},
     camera::View,
     color::FileColor,
@@ -91,6 +91,7 @@ pub struct Progressive<B> {
     undrawn: bool,
     memory_full: bool,
     budget: BudgetController,
+    last_times: Option<PassTimes>,
     last_view: Option<View>,
     last_shading: Option<Shading>,
 }
@@ -115,6 +116,7 @@ impl<B: Backend> Progressive<B> {
             undrawn: false,
             memory_full: false,
             budget: BudgetController::default(),
+            last_times: None,
             last_view: None,
             last_shading: None,
         }
@@ -186,6 +188,11 @@ impl<B: Backend> Progressive<B> {
         self.stored.into()
     }
 
+    /// Times of the latest frame that the device has finished, if it can tell.
+    pub fn last_pass_times(&self) -> Option<&PassTimes> {
+        self.last_times.as_ref()
+    }
+
     pub fn insertions(&self) -> u64 {
         self.insertions
     }
@@ -201,10 +208,11 @@ impl<B: Backend> Progressive<B> {
         if view_changed {
             self.restart();
         }
-        if let FillBudget::Target(secs) = request.fill
-            && let Some(times) = self.backend.pass_times()
-        {
-            self.budget.learn(&times, secs);
+        if let Some(times) = self.backend.pass_times() {
+            if let FillBudget::Target(secs) = request.fill {
+                self.budget.learn(&times, secs);
+            }
+            self.last_times = Some(times);
         }
         self.insert_waiting()?;
         if self.unsettled && self.is_loaded() {
