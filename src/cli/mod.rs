@@ -19,6 +19,8 @@ use std::{
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
+use crate::synth;
+
 pub use exit::{CliError, ExitStatus};
 pub use values::parse_count;
 
@@ -42,6 +44,7 @@ enum Command {
     /// Write the picture as a PNG, without a window
     #[command(after_help = exit::HELP)]
     Render(Box<render::RenderArgs>),
+    Synth(synth::SynthArgs),
 }
 
 /// Runs the program. `started` is where reported seconds begin.
@@ -76,6 +79,10 @@ fn run(args: impl IntoIterator<Item = OsString>, started: Instant) -> Result<Exi
     };
     match cli.command {
         Some(Command::Render(args)) => render::run(*args, started),
+        Some(Command::Synth(args)) => {
+            synth::run(&args)?;
+            Ok(ExitStatus::Ok)
+        }
         None => open::run(cli.open, started),
     }
 }

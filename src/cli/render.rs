@@ -144,17 +144,20 @@ fn with_path(path: &Path, message: &str) -> String {
 fn summary(report: &Report) -> String {
     let outputs = &report.outputs;
     let written = [&outputs.picture, &outputs.ids, &outputs.depth, &outputs.report];
-    let names: Vec<String> = written.into_iter().flatten().map(|path| path.display().to_string()).collect();
+    let name =
+        |path: &PathBuf| if path == Path::new("-") { "standard output".into() } else { path.display().to_string() };
+    let names: Vec<String> = written.into_iter().flatten().map(name).collect();
     let [width, height] = report.size_px;
     let missing = match report.points_missing {
         Some(missing) if missing > 0 => format!(" ({} missing)", headless::grouped(missing)),
         _ => String::new(),
     };
     format!(
-        "wrote {}: {width}x{height} pixels, {} points{missing}, {} frames, {:.2} s, {} on {}",
+        "wrote {}: {width}x{height} pixels, {} points{missing}, {} frame{}, {:.2} s, {} on {}",
         names.join(", "),
         headless::grouped(report.points_stored),
         report.frames,
+        if report.frames == 1 { "" } else { "s" },
         report.seconds.to_picture.unwrap_or_default(),
         report.rasterizer,
         report.adapter,
