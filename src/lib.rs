@@ -5,6 +5,7 @@
 //! ```text
 //! synth     writes test scans                               (LAS, LAZ)
 //! source    decoder threads → PointBatch → bounded channel  (knows files, no GPU)
+//! info      what a file says of itself                      (header, VLRs, chunks)
 //! store     batches → random slots of a growing buffer      (permutation, insertion, pages)
 //! render    reproject → fresh → fill → index → resolve      (GPU and CPU backends, one frame plan)
 //! headless  the picture as a PNG, a report as JSON
@@ -21,6 +22,8 @@ pub mod gpu;
 pub mod synth;
 
 pub mod source;
+
+pub mod info;
 
 pub mod store;
 

@@ -37,7 +37,7 @@ pub enum SourceError {
     )]
     PointOffset { path: PathBuf, header_size: u16, found: u32 },
     #[error(
-        "{}: the points are compressed, but none of the {vlrs} VLRs is the «laszip encoded» one (22204) that says how",
+        "{}: compressed points: expected a «laszip encoded» VLR (22204) that says how, found {vlrs} other VLRs",
         path.display()
     )]
     NoLaszipVlr { path: PathBuf, vlrs: usize },

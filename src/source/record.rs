@@ -57,6 +57,19 @@ impl RecordReader {
         self.finish(start, index, batch)
     }
 
+    /// How many records there are before the first one outside of the header's box.
+    pub fn inside_bounds(&self, bytes: &[u8]) -> usize {
+        let records = bytes.len() / self.record_length;
+        let Some((low, high)) = self.bounds else { return records };
+        let outside = |r: &[u8]| {
+            (0..3).any(|a| {
+                let i = i32_at(r, 4 * a);
+                i < low[a] || i > high[a]
+            })
+        };
+        bytes.chunks_exact(self.record_length).position(outside).unwrap_or(records)
+    }
+
     /// Statistics and the grid, over the points from `start` on.
     fn finish(&self, start: usize, index: u32, batch: &mut PointBatch) -> Oddities {
         let mut oddities = Oddities::default();
