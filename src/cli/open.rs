@@ -59,9 +59,6 @@ pub fn run(args: OpenArgs, started: Instant) -> Result<ExitStatus, CliError> {
         Err(error @ (ViewError::NoAdapter(_) | ViewError::NoDisplay(_))) if !args.inputs.is_empty() => {
             picture_instead(args, started, &error.to_string())
         }
-        Err(view::ViewError::NoDisplay(_)) if !args.inputs.is_empty() => {
-            picture_instead(args, started, "the display opens no window")
-        }
         Err(error) => Err(error.into()),
     }
 }

@@ -39,7 +39,7 @@ fn every_mistake_has_its_line_and_its_code() {
         ("a.las -o x.png --no-such-flag", 2, &["--no-such-flag"]),
         ("a.las -o x.png --brute-force --stop frames=3", 2, &["--brute-force", "--stop"]),
         ("a.las -o x.png --backend cpu --raster compute", 2, &["--raster", "--backend cpu"]),
-        ("a.las -o x.png --depth x.png", 2, &["-o", "--depth", "x.png"]),
+        ("a.las -o x.png --depth ./x.png", 2, &["-o", "--depth", "x.png"]),
         ("a.las -o a.las", 2, &["-o", "a.las", "input"]),
         ("a.las -o x.png --camera none.json", 2, &["--camera", "none.json"]),
         ("a.las -o x.png --camera cut.json", 2, &["cut.json", "fov_y_deg", "line 1 column 40"]),
