@@ -4,6 +4,7 @@
 //! is caught and becomes such a line too.
 
 mod exit;
+mod info;
 mod open;
 mod render;
 mod values;
@@ -18,6 +19,8 @@ use std::{
 };
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+
+use crate::synth;
 
 pub use exit::{CliError, ExitStatus};
 pub use values::parse_count;
@@ -42,6 +45,9 @@ enum Command {
     /// Write the picture as a PNG, without a window
     #[command(after_help = exit::HELP)]
     Render(Box<render::RenderArgs>),
+    /// Print what files say of themselves: header, records, coordinate system, counts
+    Info(info::InfoArgs),
+    Synth(synth::SynthArgs),
 }
 
 /// Runs the program. `started` is where reported seconds begin.
@@ -76,6 +82,11 @@ fn run(args: impl IntoIterator<Item = OsString>, started: Instant) -> Result<Exi
     };
     match cli.command {
         Some(Command::Render(args)) => render::run(*args, started),
+        Some(Command::Info(args)) => info::run(args),
+        Some(Command::Synth(args)) => {
+            synth::run(&args)?;
+            Ok(ExitStatus::Ok)
+        }
         None => open::run(cli.open, started),
     }
 }

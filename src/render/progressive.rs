@@ -188,6 +188,11 @@ impl<B: Backend> Progressive<B> {
         self.stored.into()
     }
 
+    /// Points that the next frame may try.
+    pub fn fill_points(&self, budget: FillBudget) -> u32 {
+        self.budget.points(budget)
+    }
+
     /// Times of the latest frame that the device has finished, if it can tell.
     pub fn last_pass_times(&self) -> Option<&PassTimes> {
         self.last_times.as_ref()

@@ -43,6 +43,7 @@ pub(crate) mod vlr;
 
 pub(crate) use bytes::text;
 pub use error::SourceError;
+pub use inputs::list as list_files;
 pub use report::{FileReport, SourceReport};
 
 /// How to read.

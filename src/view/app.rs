@@ -7,7 +7,7 @@ use std::{
 };
 
 use eframe::{
-    egui::{self, Color32, Context, Id, Sense, Ui, ViewportCommand},
+    egui::{self, Color32, Context, Id, Response, Sense, Ui, ViewportCommand},
     egui_wgpu::RenderState,
 };
 use glam::DVec3;
@@ -20,6 +20,7 @@ use super::{
     messages::{Messages, Severity},
     navigation::Navigation,
     overlay::{self, Ask, Settings, Status},
+    probe::Probe,
 };
 use crate::{
     render::{
@@ -50,13 +51,13 @@ pub struct App {
     incoming: Option<(Loading, Vec<PathBuf>)>,
     navigation: Option<Navigation>,
     hand: Hand,
+    probe: Probe,
     settings: Settings,
     messages: Messages,
     size: [u32; 2],
     /// Size of the picture that could not be drawn; another may do.
     undrawable: Option<[u32; 2]>,
     last_report: Option<FrameReport>,
-    last_fill: u32,
     pace: Pace,
 }
 
@@ -76,12 +77,12 @@ impl App {
             incoming: None,
             navigation: None,
             hand: Hand::default(),
+            probe: Probe::new(&state.device, &state.queue),
             settings: Settings { point_size, edl: true, overlay: true, help: false },
             messages: Messages::default(),
             size: [0, 0],
             undrawable: None,
             last_report: None,
-            last_fill: 0,
             pace: Pace::default(),
             options,
         };
@@ -151,9 +152,6 @@ impl App {
             match draw(&mut self.progressive, navigation, self.size, &self.settings, fill) {
                 Ok(report) => {
                     self.last_report = Some(report);
-                    if report.fill > 0 {
-                        self.last_fill = report.fill;
-                    }
                     self.pace.note_drawn(&report);
                     again |= report.drawn;
                 }
@@ -202,7 +200,7 @@ impl App {
             points_total: scene.points_in_header(),
             points_per_sec: loading.rate(),
             loading_secs: loading.elapsed().as_secs_f64(),
-            fill: self.last_fill,
+            fill: self.progressive.fill_points(self.fill_budget()),
             fill_is_fixed: self.options.fill.is_some(),
             device_secs: self.progressive.last_pass_times().map(|times| times.total()),
             window_secs: self.pace.secs,
@@ -231,6 +229,17 @@ impl App {
             overlay::drop_target(ui.ctx());
         }
         asked
+    }
+
+    /// Asks what the cursor is on, for the next move of the mouse.
+    fn feel(&mut self, ctx: &Context, picture: &Response) {
+        if picture.contains_pointer()
+            && let Some(at) = ctx.input(|i| i.pointer.hover_pos())
+            && let Some(navigation) = &self.navigation
+            && let Some((words, size)) = self.progressive.backend().words_buffer()
+        {
+            self.probe.ask(words, size, input::pixel(ctx, picture, at), navigation);
+        }
     }
 
     fn paint(&mut self, ui: &Ui) {
@@ -270,6 +279,9 @@ impl eframe::App for App {
         if !ctx.egui_wants_keyboard_input() {
             asked = input::keys(&ctx, &mut self.settings).or(asked);
         }
+        if let Some(touched) = self.probe.answer() {
+            self.hand.touched = touched;
+        }
         if let Some(navigation) = &mut self.navigation {
             navigation.resize(self.size);
             self.hand.steer(&ctx, &picture, navigation);
@@ -281,6 +293,7 @@ impl eframe::App for App {
 
         let again = self.advance() || flying;
         self.paint(ui);
+        self.feel(&ctx, &picture);
 
         if again {
             ctx.request_repaint();

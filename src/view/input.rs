@@ -12,6 +12,8 @@ use super::{
 const FLY_SPEED: f64 = 0.6;
 /// With Shift held.
 const FLY_SPEED_FAST: f64 = 3.0;
+/// A touched point this far from the cursor, in pixels, says nothing of what is under it now.
+const TOUCH_REACH: f64 = 24.0;
 /// Zoom per point of scrolling, as an exponent: a wheel's notch (40 points) is 18 %.
 const ZOOM_PER_POINT: f64 = 0.0042;
 
@@ -19,6 +21,8 @@ const ZOOM_PER_POINT: f64 = 0.0042;
 #[derive(Debug, Default)]
 pub struct Hand {
     held: Option<Held>,
+    /// What the cursor was on when it was last asked for.
+    pub touched: Option<DVec3>,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -31,16 +35,16 @@ impl Hand {
     /// Moves the camera as the mouse over the picture asks.
     pub fn steer(&mut self, ctx: &Context, picture: &Response, navigation: &mut Navigation) {
         let scale = f64::from(ctx.pixels_per_point());
-        let pixel = |at: Pos2| {
-            let at = at - picture.rect.min;
-            DVec2::new(at.x.into(), at.y.into()) * scale
-        };
-        let cursor = picture.interact_pointer_pos().map(pixel);
+        let cursor = picture.interact_pointer_pos().map(|at| pixel(ctx, picture, at));
         if picture.drag_started()
             && let Some(cursor) = cursor
         {
             let orbit = picture.dragged_by(PointerButton::Primary) && !ctx.input(|i| i.modifiers.shift);
-            self.held = Some(if orbit { Held::Orbit } else { Held::Pan { grabbed: navigation.grab(cursor, None) } });
+            self.held = Some(if orbit {
+                Held::Orbit
+            } else {
+                Held::Pan { grabbed: navigation.grab(cursor, self.depth(navigation, cursor)) }
+            });
         }
         if !picture.dragged() {
             self.held = None;
@@ -60,11 +64,28 @@ impl Hand {
         {
             let (scroll, pinch) = ctx.input(|i| (f64::from(i.smooth_scroll_delta().y), f64::from(i.zoom_delta())));
             let factor = (-scroll * ZOOM_PER_POINT).exp() / pinch;
+            let cursor = pixel(ctx, picture, at);
             if factor != 1.0 && factor.is_finite() {
-                navigation.zoom(pixel(at), factor, None);
+                navigation.zoom(cursor, factor, self.depth(navigation, cursor));
+            }
+            let double_click = ctx.input(|i| i.pointer.button_double_clicked(PointerButton::Primary));
+            if double_click && let Some(depth) = self.depth(navigation, cursor) {
+                navigation.center_on(navigation.grab(cursor, Some(depth)));
             }
         }
     }
+
+    /// Depth of what is under the cursor, if it is known.
+    fn depth(&self, navigation: &Navigation, cursor: DVec2) -> Option<f64> {
+        let (at, depth) = navigation.locate(self.touched?)?;
+        (at.distance(cursor) <= TOUCH_REACH).then_some(depth)
+    }
+}
+
+/// Pixel of the picture at a position of the window.
+pub fn pixel(ctx: &Context, picture: &Response, at: Pos2) -> DVec2 {
+    let at = at - picture.rect.min;
+    DVec2::new(at.x.into(), at.y.into()) * f64::from(ctx.pixels_per_point())
 }
 
 /// Flies while keys are held; true if any is.

@@ -94,9 +94,11 @@ fn message(ui: &mut egui::Ui, severity: Severity, text: &str, width: f32) -> boo
         .show(ui, |ui| {
             ui.horizontal_top(|ui| {
                 let dismissed = ui.small_button("×").on_hover_text("Put away").clicked();
-                ui.set_max_width(width);
                 let text = RichText::new(text).font(FontId::proportional(13.0)).color(Color32::WHITE);
-                ui.add(Label::new(text).wrap());
+                ui.scope(|ui| {
+                    ui.set_max_width(width);
+                    ui.add(Label::new(text).wrap());
+                });
                 dismissed
             })
             .inner

@@ -12,6 +12,7 @@ mod loading;
 mod messages;
 mod navigation;
 mod overlay;
+mod probe;
 
 use std::{path::PathBuf, sync::Arc};
 

@@ -14,6 +14,9 @@ const TEXT: Color32 = Color32::from_rgb(226, 230, 236);
 const DIM: Color32 = Color32::from_rgb(150, 160, 172);
 const ACCENT: Color32 = Color32::from_rgb(106, 182, 255);
 const PANEL: Color32 = Color32::from_rgba_premultiplied(13, 15, 19, 218);
+const LINE_HEIGHT: f32 = 20.0;
+/// Two lines, the space between them and around them.
+const BAR_HEIGHT: f32 = 2.0 * LINE_HEIGHT + 3.0 + 10.0;
 /// Narrower windows show the lines without the controls.
 const CONTROLS_FROM_WIDTH: f32 = 640.0;
 
@@ -69,6 +72,7 @@ pub fn bar(ctx: &egui::Context, status: &Status, settings: &mut Settings) -> Opt
         |ui| {
             Frame::new().fill(PANEL).inner_margin(Margin::symmetric(10, 5)).show(ui, |ui| {
                 ui.set_width(screen.width() - 20.0);
+                ui.set_height(BAR_HEIGHT - 10.0);
                 ui.spacing_mut().item_spacing = vec2(8.0, 3.0);
                 line(ui, |ui| {
                     if screen.width() >= CONTROLS_FROM_WIDTH {
@@ -89,8 +93,7 @@ pub fn bar(ctx: &egui::Context, status: &Status, settings: &mut Settings) -> Opt
 
 /// One line, filled from the right; what comes last gets what is left of it.
 fn line(ui: &mut Ui, contents: impl FnOnce(&mut Ui)) {
-    let height = 20.0;
-    ui.allocate_ui_with_layout(vec2(ui.available_width(), height), Layout::right_to_left(Align::Center), contents);
+    ui.allocate_ui_with_layout(vec2(ui.available_width(), LINE_HEIGHT), Layout::right_to_left(Align::Center), contents);
 }
 
 fn small(text: &str) -> RichText {

@@ -156,6 +156,12 @@ impl GpuBackend {
         self.targets.as_ref().map(|targets| (&targets.picture, targets.size))
     }
 
+    /// The words of the last frame, in the same order: slot (all ones: background), then the bits of the
+    /// depth.
+    pub fn words_buffer(&self) -> Option<(&wgpu::Buffer, [u32; 2])> {
+        self.targets.as_ref().map(|targets| (&targets.words, targets.size))
+    }
+
     /// The store, for measuring with other settings than a viewer's.
     pub fn store_mut(&mut self) -> &mut GpuStore {
         &mut self.store
