@@ -52,6 +52,10 @@ pub enum SourceError {
     )]
     TooManyPoints { path: PathBuf, points: u64, before: u64 },
     /// Several inputs, and none could be opened.
-    #[error("none of {} inputs could be opened; the first: {}", errors.len(), errors[0])]
+    #[error("none of {} inputs could be opened; the first: {}", errors.len(), first(errors))]
     AllFailed { errors: Vec<SourceError> },
+}
+
+fn first(errors: &[SourceError]) -> String {
+    errors.first().map(SourceError::to_string).unwrap_or_default()
 }

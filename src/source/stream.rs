@@ -31,7 +31,7 @@ const EVENTS_AHEAD: usize = 4;
 /// Batches of one task that wait for their turn.
 const PIECES_AHEAD: usize = 2;
 /// Bytes of LAS records per read.
-const READ_BYTES: usize = 1 << 20;
+const READ_BYTES: usize = 1 << 18;
 /// How long a blocked sender waits before it looks at the cancel flag again.
 const LOOK_UP: Duration = Duration::from_millis(10);
 

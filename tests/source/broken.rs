@@ -241,26 +241,44 @@ fn flipped_bits_never_panic_hang_or_eat_memory() {
     let bench = Bench::new();
     let mut random = Random(0x5eed);
     let mut faults = 0;
+    let mut caught = 0;
+    let variants = std::env::var("FIRSTLIGHT_FUZZ").map_or(60, |n| n.parse().expect("a number"));
     for (format, extra_bytes) in [(0, 0), (3, 2), (6, 0), (7, 5), (8, 0)] {
         for how in [As::Laz(300), As::LazVarying(70)] {
             let whole = Scan { extra_bytes, ..Scan::new(format, 1_000) }.bytes(how);
-            for variant in 0..60 {
+            for variant in 0..variants {
                 let mut bytes = whole.clone();
                 let start = if variant % 3 == 0 { 24 } else { data_at(&bytes) };
                 for _ in 0..1 + random.below(4) {
                     let at = start + random.below((bytes.len() - start) as u64) as usize;
-                    bytes[at] ^= 1 << random.below(8);
+                    match variant % 4 {
+                        0 => bytes[at] = 0xff,
+                        _ => bytes[at] ^= 1 << random.below(8),
+                    }
                 }
                 let (points, error) = bench.outcome(&bytes);
                 assert!(!error.contains('\n'), "{error}");
+                caught += usize::from(error.contains("its bytes make no sense"));
                 faults += usize::from(points != 1_000 || !error.is_empty());
             }
         }
     }
-    assert!(faults > 100, "only {faults} of 600 variants had any effect");
+    println!("{faults} variants had an effect, {caught} panics were caught");
+    assert!(faults > 100, "only {faults} of {} variants had any effect", 10 * variants);
     if let Some(peak) = peak_memory() {
         assert!(peak < 1 << 30, "{peak} bytes at the most");
     }
+}
+
+/// Panics that are caught and reported must not be printed as well.
+#[test]
+fn caught_panics_are_silent() {
+    let this = std::env::current_exe().unwrap();
+    let test = "broken::flipped_bits_never_panic_hang_or_eat_memory";
+    let output = std::process::Command::new(this).args(["--exact", test, "--nocapture"]).output().unwrap();
+    let (out, err) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert!(output.status.success() && out.contains("1 passed"), "{out}{err}");
+    assert!(!err.contains("panicked"), "{err}");
 }
 
 /// The most memory that this process ever had, in bytes, where the system says so.
