@@ -342,7 +342,7 @@ fn draw(
         Err(error) => {
             log::error!("{error}");
             let stored = progressive.points_stored();
-            Ok(FrameReport { drawn: false, points_stored: stored, points_tried: stored, fill: 0 })
+            Ok(FrameReport { drawn: false, points_stored: stored, points_tried: stored, settled: true, fill: 0 })
         }
     }
 }

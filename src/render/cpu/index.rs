@@ -36,3 +36,36 @@ fn is_first(words: &[AtomicU64], width: usize, size: usize, x: usize, y: usize, 
     !words[y * width..][left..x].iter().any(same)
         && !above.into_iter().any(|row| words[row * width..][left..width.min(x + size)].iter().any(same))
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+    use crate::{render::Camera, scene::Grid};
+
+    #[test]
+    fn lists_each_visible_slot_once() {
+        let grid = Grid { scale: [0.01; 3], origin: [0.0; 3] };
+        let camera = Camera { eye: [0.0, -10.0, 0.0], target: [0.0; 3], up: [0.0, 0.0, 1.0], fov_y_deg: 60.0 };
+        let noise = |i: u32, k: u32| ((i.wrapping_mul(0x9E37_79B9) ^ k).wrapping_mul(0x85EB_CA6B) >> 12) as i32;
+        for point_size in 1..=8 {
+            for count in [0, 1, 2, 33, 257, 4097] {
+                let view = camera.view(&grid, [129, 131], point_size).unwrap();
+                let words: Vec<AtomicU64> = (0..129 * 131).map(|_| AtomicU64::new(BACKGROUND)).collect();
+                for i in 0..count {
+                    let position = [0, 1, 2].map(|k| noise(i, k) % 1600 - 800);
+                    super::super::raster::draw_point(&words, &view, i, position);
+                }
+                let shown = words.iter().map(|w| w.load(Relaxed)).filter(|&w| w != BACKGROUND).map(slot);
+                let expected: BTreeSet<u32> = shown.collect();
+                for threads in [1, 3] {
+                    let mut visible = vec![7, 7, 7];
+                    build(&mut visible, &words, &view, threads);
+                    assert_eq!(visible.len(), expected.len(), "size {point_size}, {count} points");
+                    assert_eq!(visible.into_iter().collect::<BTreeSet<_>>(), expected);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,164 @@
+//! `View::project` against a projection in f64 that shares nothing with it: how many points fall into
+//! another pixel, and how far their depths are off.
+
+use firstlight::{
+    render::{Camera, CameraError, View},
+    scene::Grid,
+};
+
+const SIZE: [u32; 2] = [800, 600];
+const POINTS: u32 = 200_000;
+
+/// Pixel and depth, straight from the definition: a right-handed look-at camera, image y down,
+/// pixel = floor((ndc · 0.5 + 0.5) · size).
+fn reference(camera: &Camera, world: [f64; 3]) -> Option<([i32; 2], f64)> {
+    let sub = |a: [f64; 3], b: [f64; 3]| [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let cross =
+        |a: [f64; 3], b: [f64; 3]| [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+    let unit = |a: [f64; 3]| a.map(|c| c / dot(a, a).sqrt());
+    let forward = unit(sub(camera.target, camera.eye));
+    let right = unit(cross(forward, camera.up));
+    let up = cross(right, forward);
+    let at = sub(world, camera.eye);
+    let depth = dot(at, forward);
+    let tan = (camera.fov_y_deg.to_radians() / 2.0).tan();
+    let (width, height) = (f64::from(SIZE[0]), f64::from(SIZE[1]));
+    let x = (dot(at, right) / (depth * tan * width / height) * 0.5 + 0.5) * width;
+    let y = (dot(at, up) / (depth * tan) * -0.5 + 0.5) * height;
+    let inside = depth > 0.0 && (0.0..width).contains(&x) && (0.0..height).contains(&y);
+    inside.then(|| ([x.floor() as i32, y.floor() as i32], depth))
+}
+
+/// A scan of `extent` grid steps at `scale`, centred on `center` (in steps), seen from `eye_steps` away.
+struct Case {
+    name: &'static str,
+    scale: f64,
+    origin: [f64; 3],
+    center: [i32; 3],
+    extent: u32,
+    /// From the centre, in steps; fractions put the eye between grid positions.
+    eye_steps: [f64; 3],
+    /// Pixels that may differ, per million points.
+    per_million: f64,
+}
+
+const UTM: [f64; 3] = [500_000.0, 5_000_000.0, 300.0];
+
+fn cases() -> Vec<Case> {
+    let case = |name, scale, origin, center, extent, eye_steps, per_million| Case {
+        name,
+        scale,
+        origin,
+        center,
+        extent,
+        eye_steps,
+        per_million,
+    };
+    let oblique = [0.3, -1.1, 0.7];
+    let from = |distance: f64| oblique.map(|c| c * distance);
+    vec![
+        case("at the origin", 0.01, [0.0; 3], [0; 3], 100_000, from(1e5), 100.0),
+        case("UTM in the offset", 0.001, UTM, [0; 3], 1_000_000, from(1e6), 100.0),
+        case("UTM in the integers", 0.01, [0.0; 3], [50_000_000, 500_000_000, 30_000], 100_000, from(1e5), 100.0),
+        case("at the integers' end", 0.01, [0.0; 3], [2_147_000_000, -2_147_000_000, 0], 100_000, from(1e5), 100.0),
+        case("a statue, eye between positions", 0.001, UTM, [0; 3], 1000, [300.37, -1100.61, 700.123], 100.0),
+        // Here the eye's rounding (to 1/4096 of a step) is seen.
+        case("a few steps away", 0.001, UTM, [0; 3], 20, [3.37, -21.61, 7.123], 3000.0),
+        case("eye far away", 0.001, [0.0; 3], [0; 3], 2_000_000_000, from(4e9), 100.0),
+        case("eye within the cloud", 0.01, [0.0; 3], [50_000_000, 500_000_000, 0], 100_000, [0.5, 0.25, 0.75], 100.0),
+    ]
+}
+
+fn noise(i: u32, k: u32) -> u32 {
+    let mut x = i.wrapping_mul(0x9E37_79B9) ^ k.wrapping_mul(0xC2B2_AE35);
+    x = (x ^ (x >> 16)).wrapping_mul(0x7FEB_352D);
+    x = (x ^ (x >> 15)).wrapping_mul(0x846C_A68B);
+    x ^ (x >> 16)
+}
+
+/// Points of which one projection has another pixel (or none), of those that any has in the picture;
+/// and the largest relative difference of depths beyond what the rounding of the eye explains.
+fn compare(case: &Case, project: impl Fn(&View, [i32; 3]) -> Option<([i32; 2], f32)>) -> (u32, u32, f64) {
+    let grid = Grid { scale: [case.scale; 3], origin: case.origin };
+    let place =
+        |steps: [f64; 3]| std::array::from_fn(|a| case.origin[a] + case.scale * (f64::from(case.center[a]) + steps[a]));
+    let target = if case.eye_steps.iter().all(|c| c.abs() < 1.0) { [5e4, 5e4, 1e3] } else { [0.0; 3] };
+    let camera = Camera { eye: place(case.eye_steps), target: place(target), up: [0.0, 0.0, 1.0], fov_y_deg: 60.0 };
+    let view = camera.view(&grid, SIZE, 1).unwrap();
+    let (mut seen, mut other, mut depth_error) = (0, 0, 0.0_f64);
+    for i in 0..POINTS {
+        let position = std::array::from_fn(|a| {
+            let offset = i64::from(noise(i, a as u32) % (case.extent + 1)) - i64::from(case.extent / 2);
+            (i64::from(case.center[a]) + offset).clamp(i32::MIN.into(), i32::MAX.into()) as i32
+        });
+        let (ours, theirs) = (project(&view, position), reference(&camera, grid.world(position)));
+        seen += u32::from(ours.is_some() || theirs.is_some());
+        other += u32::from(ours.map(|p| p.0) != theirs.map(|p| p.0));
+        if let (Some(ours), Some(theirs)) = (ours, theirs) {
+            let eye_rounding = 3f64.sqrt() / 8192.0 * case.scale;
+            let error = (f64::from(ours.1) - theirs.1).abs() - eye_rounding;
+            depth_error = depth_error.max(error / theirs.1);
+        }
+    }
+    (seen, other, depth_error)
+}
+
+#[test]
+fn agrees_with_f64() {
+    for case in cases() {
+        let (seen, other, depth_error) = compare(&case, |view, p| view.project(p).map(|p| (p.corner, p.depth)));
+        println!("{}: {other} of {seen} points in another pixel, depth off by {depth_error:.1e}", case.name);
+        assert!(seen > POINTS / 20, "{}: {seen} points in the picture", case.name);
+        assert!(f64::from(other) < 1.0 + case.per_million * 1e-6 * f64::from(seen), "{}: {other} of {seen}", case.name);
+        assert!(depth_error < 5e-7, "{}", case.name);
+    }
+}
+
+/// What other viewers do: positions rounded to f32 before the eye is subtracted.
+#[test]
+fn a_projection_of_rounded_coordinates_does_not() {
+    let case = &cases()[2];
+    let (seen, other, _) = compare(case, |view, p| {
+        let rounded = p.map(|c| c as f32 as i32);
+        view.project(rounded).map(|p| (p.corner, p.depth))
+    });
+    println!("rounded: {other} of {seen} points in another pixel");
+    assert!(other > seen / 100);
+}
+
+#[test]
+fn degenerate_cameras() {
+    let grid = Grid { scale: [0.001; 3], origin: UTM };
+    let good = Camera { eye: UTM, target: [500_010.0, 5_000_000.0, 300.0], up: [0.0, 0.0, 1.0], fov_y_deg: 60.0 };
+    let view = |camera: Camera| camera.view(&grid, SIZE, 1);
+    assert!(view(good).is_ok());
+    assert_eq!(view(Camera { target: good.eye, ..good }), Err(CameraError::NoDirection));
+    assert_eq!(view(Camera { eye: [f64::NAN, 0.0, 0.0], ..good }), Err(CameraError::NotFinite("eye")));
+    assert_eq!(view(Camera { target: [f64::INFINITY; 3], ..good }), Err(CameraError::NotFinite("target")));
+    assert_eq!(view(Camera { up: [f64::NAN; 3], ..good }), Err(CameraError::NotFinite("up")));
+    for fov_y_deg in [0.0, -1.0, 180.0, f64::NAN] {
+        assert!(matches!(view(Camera { fov_y_deg, ..good }), Err(CameraError::FieldOfView(_))));
+    }
+    assert!(matches!(view(Camera { eye: [1e300; 3], ..good }), Err(CameraError::TooFar(_))));
+
+    // Views along `up`, without any `up`, and from the point itself: a picture without surprises.
+    for up in [[1.0, 0.0, 0.0], [-5.0, 0.0, 0.0], [0.0; 3]] {
+        let view = view(Camera { up, ..good }).unwrap();
+        let center = view.project([10_000, 0, 0]).expect("the target is in the picture");
+        assert!((center.depth - 10.0).abs() < 1e-4);
+        assert!((center.corner[0] - 400).abs() <= 1 && (center.corner[1] - 300).abs() <= 1);
+        assert_eq!(view.project([0, 0, 0]), None, "a point in the eye is nowhere");
+        assert_eq!(view.project([-1, 0, 0]), None, "nor is one behind it");
+        for position in [[i32::MAX; 3], [i32::MIN; 3], [i32::MAX, i32::MIN, 0]] {
+            if let Some(p) = view.project(position) {
+                assert!(p.depth.is_finite() && p.depth > 0.0);
+            }
+        }
+    }
+    // The widest and narrowest fields of view.
+    for fov_y_deg in [1e-3, 179.999] {
+        let center = view(Camera { fov_y_deg, ..good }).unwrap().project([10_000, 0, 0]);
+        assert!(center.is_some_and(|p| (p.corner[0] - 400).abs() <= 1));
+    }
+}
