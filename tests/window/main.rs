@@ -3,9 +3,10 @@
 
 mod display;
 mod viewer;
+mod xserver;
 
 use std::{
-    path::PathBuf,
+    path::{Path, PathBuf},
     sync::{Mutex, MutexGuard, OnceLock, PoisonError},
     time::{Duration, Instant},
 };
@@ -93,6 +94,26 @@ fn a_scan_appears_while_it_loads_and_the_mouse_moves_the_camera() {
     }
     viewer.wait_for("the picture in its old size", PATIENCE, |v| (v.shot().difference(&complete) == 0).then_some(()));
 
+    assert!(viewer.close(PATIENCE).success());
+}
+
+#[test]
+fn a_dropped_file_replaces_the_scene_even_while_it_loads() {
+    let _turn = one_at_a_time();
+    let Some(display) = Display::start() else { return };
+    let (first, second) = (scan(), Path::new(env!("CARGO_MANIFEST_DIR")).join("sample_data/planes.las"));
+    let mut viewer = Viewer::start(&display, &["--threads", "1", first.to_str().unwrap()]);
+    viewer.wait_for("points", PATIENCE, |v| Some(()).filter(|()| v.shot().points() > SOME));
+    viewer.drop_file(&second);
+    viewer.wait_for_line("at rest", PATIENCE);
+    assert!(!viewer.said("read 3000000 points"), "the first scan went on loading");
+    let dropped = viewer.shot_at_rest();
+    dropped.save("7-dropped");
+    assert!(viewer.close(PATIENCE).success());
+
+    let mut viewer = Viewer::start(&display, &[second.to_str().unwrap()]);
+    viewer.wait_for("the same picture", PATIENCE, |v| (v.shot().difference(&dropped) == 0).then_some(()));
+    assert!(dropped.points() > SOME);
     assert!(viewer.close(PATIENCE).success());
 }
 

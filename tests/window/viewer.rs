@@ -3,17 +3,16 @@
 use std::{
     fs,
     io::{BufRead as _, BufReader},
+    path::Path,
     process::{Child, Command, ExitStatus, Stdio},
     sync::{Arc, Mutex},
     time::{Duration, Instant},
 };
 
-use x11rb::{
-    connection::Connection as _,
-    protocol::xproto::{CLIENT_MESSAGE_EVENT, ClientMessageEvent, ConnectionExt as _, EventMask},
+use super::{
+    display::{Display, Shot},
+    xserver::XServer,
 };
-
-use super::display::{Display, Shot};
 
 pub struct Viewer<'d> {
     display: &'d Display,
@@ -122,26 +121,12 @@ impl<'d> Viewer<'d> {
 
     /// Closes the window as a window manager does, and waits for the end of the program.
     pub fn close(&mut self, patience: Duration) -> ExitStatus {
-        let (x, _) = x11rb::connect(Some(&self.display.name)).expect("display");
-        let atom = |name: &[u8]| x.intern_atom(false, name).expect("atom").reply().expect("atom").atom;
-        let (protocols, delete) = (atom(b"WM_PROTOCOLS"), atom(b"WM_DELETE_WINDOW"));
-        let root = x.setup().roots[0].root;
-        for window in x.query_tree(root).expect("tree").reply().expect("tree").children {
-            let takes = x.get_property(false, window, protocols, 4_u32, 0, 16).expect("property").reply();
-            if takes.is_ok_and(|p| p.value32().is_some_and(|mut atoms| atoms.any(|a| a == delete))) {
-                let event = ClientMessageEvent {
-                    response_type: CLIENT_MESSAGE_EVENT,
-                    format: 32,
-                    sequence: 0,
-                    window,
-                    type_: protocols,
-                    data: [delete, 0, 0, 0, 0].into(),
-                };
-                x.send_event(false, window, EventMask::NO_EVENT, event).expect("event");
-            }
-        }
-        x.flush().expect("flush");
+        XServer::connect(&self.display.name).close_windows();
         self.wait_for_end(patience)
+    }
+
+    pub fn drop_file(&self, file: &Path) {
+        XServer::connect(&self.display.name).drop_file(file);
     }
 
     pub fn terminate(&mut self, patience: Duration) -> ExitStatus {
