@@ -5,10 +5,12 @@
 //! ```text
 //! synth     writes test scans                               (LAS, LAZ)
 //! source    decoder threads → PointBatch → bounded channel  (knows files, no GPU)
+//! info      what a file says of itself                      (header, VLRs, chunks)
 //! store     batches → random slots of a growing buffer      (permutation, insertion, pages)
 //! render    reproject → fresh → fill → index → resolve      (GPU and CPU backends, one frame plan)
 //! headless  the picture as a PNG, a report as JSON
 //! view      the picture in a window
+//! measure   frame times while a scene grows
 //! cli       what the user typed → one of these
 //! ```
 //!
@@ -22,11 +24,15 @@ pub mod synth;
 
 pub mod source;
 
+pub mod info;
+
 pub mod store;
 
 pub mod render;
 
 pub mod headless;
+
+pub mod measure;
 
 pub mod view;
 

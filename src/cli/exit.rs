@@ -1,6 +1,6 @@
 //! Exit codes and the errors behind them.
 
-use crate::{headless::HeadlessError, render::RenderError, view::ViewError};
+use crate::{headless::HeadlessError, measure::BenchError, render::RenderError, synth::SynthError, view::ViewError};
 
 /// The process's exit code. Listed for users in [`HELP`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,7 +42,11 @@ pub enum CliError {
     #[error("{error}; {help}")]
     NoDevice { error: RenderError, help: &'static str },
     #[error(transparent)]
+    Synth(#[from] SynthError),
+    #[error(transparent)]
     View(#[from] ViewError),
+    #[error(transparent)]
+    Bench(#[from] BenchError),
 }
 
 impl CliError {
@@ -56,7 +60,14 @@ impl CliError {
                 HeadlessError::Render(RenderError::DeviceLost(_)) | HeadlessError::ReaderEnded => ExitStatus::Internal,
                 HeadlessError::Render(_) => ExitStatus::Device,
             },
+            CliError::Synth(SynthError::Io { .. } | SynthError::Compress { .. }) => ExitStatus::Output,
+            CliError::Synth(_) => ExitStatus::Usage,
             CliError::NoDevice { .. } | CliError::View(_) => ExitStatus::Device,
+            CliError::Bench(error) => match error {
+                BenchError::Source(_) | BenchError::NoPoints => ExitStatus::Input,
+                BenchError::Camera(_) => ExitStatus::Usage,
+                BenchError::Render(_) => ExitStatus::Device,
+            },
         }
     }
 }

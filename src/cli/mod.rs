@@ -3,7 +3,9 @@
 //! Every message is one line on standard error and every way to fail has its [`ExitStatus`]; a panic
 //! is caught and becomes such a line too.
 
+mod bench_frames;
 mod exit;
+mod info;
 mod open;
 mod render;
 mod values;
@@ -18,6 +20,8 @@ use std::{
 };
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+
+use crate::synth;
 
 pub use exit::{CliError, ExitStatus};
 pub use values::parse_count;
@@ -42,6 +46,12 @@ enum Command {
     /// Write the picture as a PNG, without a window
     #[command(after_help = exit::HELP)]
     Render(Box<render::RenderArgs>),
+    /// Print what files say of themselves: header, records, coordinate system, counts
+    Info(info::InfoArgs),
+    Synth(synth::SynthArgs),
+    /// Time frames while a scene grows: does the frame time stay flat?
+    #[command(after_help = exit::HELP)]
+    BenchFrames(bench_frames::BenchFramesArgs),
 }
 
 /// Runs the program. `started` is where reported seconds begin.
@@ -76,6 +86,12 @@ fn run(args: impl IntoIterator<Item = OsString>, started: Instant) -> Result<Exi
     };
     match cli.command {
         Some(Command::Render(args)) => render::run(*args, started),
+        Some(Command::Info(args)) => info::run(args),
+        Some(Command::BenchFrames(args)) => bench_frames::run(args, started),
+        Some(Command::Synth(args)) => {
+            synth::run(&args)?;
+            Ok(ExitStatus::Ok)
+        }
         None => open::run(cli.open, started),
     }
 }

@@ -16,7 +16,7 @@ use super::{
 use crate::{
     headless::{self, BackendChoice, Destination, HeadlessError, Outputs, Settings, Stop},
     render::{INSERTION_POINTS, Shading},
-    view,
+    view::{self, ViewError},
 };
 
 #[derive(Debug, Args)]
@@ -56,8 +56,8 @@ pub fn run(args: OpenArgs, started: Instant) -> Result<ExitStatus, CliError> {
     };
     match view::run(options) {
         Ok(()) => Ok(ExitStatus::Ok),
-        Err(view::ViewError::NoAdapter(_)) if !args.inputs.is_empty() => {
-            picture_instead(args, started, "no GPU adapter for a window")
+        Err(error @ (ViewError::NoAdapter(_) | ViewError::NoDisplay(_))) if !args.inputs.is_empty() => {
+            picture_instead(args, started, &error.to_string())
         }
         Err(error) => Err(error.into()),
     }

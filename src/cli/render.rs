@@ -63,7 +63,7 @@ pub struct RenderArgs {
     #[arg(long, value_name = "REPORT.json")]
     json: Option<PathBuf>,
     /// Strength of eye-dome lighting; 0 turns it off
-    #[arg(long, value_name = "STRENGTH", default_value_t = Shading::default().edl_strength, value_parser = values::parse_strength)]
+    #[arg(long, value_name = "STRENGTH", default_value_t = Shading::default().edl_strength, value_parser = values::parse_strength, allow_negative_numbers = true)]
     edl: f32,
     /// Decoder threads; by default one per core, less one
     #[arg(long, value_name = "N", value_parser = values::parse_threads)]
@@ -100,8 +100,9 @@ impl From<RasterArg> for RasterChoice {
     }
 }
 
+/// [`BackendChoice`] on the command line.
 #[derive(Debug, Clone, Copy, Default, ValueEnum)]
-enum BackendArg {
+pub enum BackendArg {
     #[default]
     Auto,
     Gpu,
@@ -144,17 +145,20 @@ fn with_path(path: &Path, message: &str) -> String {
 fn summary(report: &Report) -> String {
     let outputs = &report.outputs;
     let written = [&outputs.picture, &outputs.ids, &outputs.depth, &outputs.report];
-    let names: Vec<String> = written.into_iter().flatten().map(|path| path.display().to_string()).collect();
+    let name =
+        |path: &PathBuf| if path == Path::new("-") { "standard output".into() } else { path.display().to_string() };
+    let names: Vec<String> = written.into_iter().flatten().map(name).collect();
     let [width, height] = report.size_px;
     let missing = match report.points_missing {
         Some(missing) if missing > 0 => format!(" ({} missing)", headless::grouped(missing)),
         _ => String::new(),
     };
     format!(
-        "wrote {}: {width}x{height} pixels, {} points{missing}, {} frames, {:.2} s, {} on {}",
+        "wrote {}: {width}x{height} pixels, {} points{missing}, {} frame{}, {:.2} s, {} on {}",
         names.join(", "),
         headless::grouped(report.points_stored),
         report.frames,
+        if report.frames == 1 { "" } else { "s" },
         report.seconds.to_picture.unwrap_or_default(),
         report.rasterizer,
         report.adapter,
@@ -175,20 +179,25 @@ fn with_help(error: HeadlessError) -> CliError {
     }
 }
 
+/// What `--backend` and `--raster` say together.
+pub fn backend_choice(backend: BackendArg, raster: RasterArg) -> Result<BackendChoice, CliError> {
+    match (backend, raster) {
+        (BackendArg::Cpu, RasterArg::Auto) => Ok(BackendChoice::Cpu),
+        (BackendArg::Cpu, _) => {
+            Err(CliError::Usage("--raster chooses among the GPU's rasterizers; leave it out with --backend cpu".into()))
+        }
+        (BackendArg::Gpu, _) => Ok(BackendChoice::Gpu),
+        (BackendArg::Auto, _) => Ok(BackendChoice::Auto),
+    }
+}
+
 impl RenderArgs {
     fn validate(self, started: Instant) -> Result<Settings, CliError> {
         let usage = |message: &str| Err(CliError::Usage(message.into()));
         if self.brute_force && matches!(self.stop, Stop::Frames(_)) {
             return usage("--brute-force draws one frame of all points; --stop frames=N does not go with it");
         }
-        let backend = match (self.backend, self.raster) {
-            (BackendArg::Cpu, RasterArg::Auto) => BackendChoice::Cpu,
-            (BackendArg::Cpu, _) => {
-                return usage("--raster chooses among the GPU's rasterizers; leave it out with --backend cpu");
-            }
-            (BackendArg::Gpu, _) => BackendChoice::Gpu,
-            (BackendArg::Auto, _) => BackendChoice::Auto,
-        };
+        let backend = backend_choice(self.backend, self.raster)?;
         let camera = self.camera.as_deref().map(read_camera).transpose()?;
         Ok(Settings {
             outputs: self.outputs()?,
@@ -217,19 +226,27 @@ impl RenderArgs {
         let [output, ids, depth, json] = named.map(|(flag, path)| -> Result<_, CliError> {
             let Some(path) = path else { return Ok(None) };
             let destination = Destination::check(path).map_err(HeadlessError::from)?;
-            if let Destination::File(file) = &destination
-                && inputs.contains(file)
+            if let Destination::File { place, .. } = &destination
+                && inputs.contains(place)
             {
                 return Err(CliError::Usage(format!("{flag} {}: that is one of the inputs", path.display())));
             }
-            let replaceable = !matches!(destination, Destination::Device(_));
-            if let Some((other, _)) = checked.iter().find(|(_, taken)| replaceable && *taken == destination) {
+            if let Some((other, _)) = checked.iter().find(|(_, taken)| is_same_place(taken, &destination)) {
                 return Err(CliError::Usage(format!("{other} and {flag} both write to {}", path.display())));
             }
             checked.push((flag, destination.clone()));
             Ok(Some(destination))
         });
         Ok(Outputs { picture: output?, ids: ids?, depth: depth?, report: json? })
+    }
+}
+
+/// True if one output would overwrite the other. Devices such as `/dev/null` take any number.
+fn is_same_place(a: &Destination, b: &Destination) -> bool {
+    match (a, b) {
+        (Destination::File { place: a, .. }, Destination::File { place: b, .. }) => a == b,
+        (Destination::Stdout, Destination::Stdout) => true,
+        _ => false,
     }
 }
 

@@ -38,7 +38,12 @@ pub enum OutputError {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Destination {
     /// A file that is written under another name and renamed when it is complete.
-    File(PathBuf),
+    File {
+        /// As the user typed it.
+        path: PathBuf,
+        /// Without links, so that the same place has one name only.
+        place: PathBuf,
+    },
     /// Something that cannot be replaced, such as `/dev/null` or a pipe.
     Device(PathBuf),
     Stdout,
@@ -57,8 +62,7 @@ impl Destination {
             Ok(_) => {
                 // Renaming would replace a file that is protected against writing, and a link.
                 OpenOptions::new().append(true).open(path).map_err(io_error)?;
-                let path = fs::canonicalize(path).map_err(io_error)?;
-                return Destination::check_folder(path);
+                return Destination::check_folder(path, fs::canonicalize(path).map_err(io_error)?);
             }
             Err(e) if e.kind() == io::ErrorKind::NotFound => {}
             Err(e) => return Err(io_error(e)),
@@ -66,27 +70,27 @@ impl Destination {
         if path.file_name().is_none() || path.as_os_str().as_encoded_bytes().ends_with(b"/") {
             return Err(OutputError::IsFolder { path: path.into() });
         }
-        Destination::check_folder(path.into())
+        let folder = folder_of(path);
+        match (fs::canonicalize(folder), path.file_name()) {
+            (Ok(real), Some(name)) if real.is_dir() => Destination::check_folder(path, real.join(name)),
+            _ => Err(OutputError::NoFolder { path: path.into(), folder: folder.into() }),
+        }
     }
 
-    fn check_folder(path: PathBuf) -> Result<Destination, OutputError> {
-        let folder = folder_of(&path);
-        if !folder.is_dir() {
-            return Err(OutputError::NoFolder { folder: folder.into(), path });
-        }
+    fn check_folder(path: &Path, place: PathBuf) -> Result<Destination, OutputError> {
         // No other question to the system gives a reliable answer (access lists, read-only mounts).
-        let probe = unfinished_name(&path);
+        let probe = unfinished_name(&place);
         let probed = OpenOptions::new().write(true).create_new(true).open(&probe).and_then(|_| fs::remove_file(&probe));
         match probed {
-            Ok(()) => Ok(Destination::File(path)),
-            Err(source) => Err(OutputError::Io { path, source }),
+            Ok(()) => Ok(Destination::File { path: path.into(), place }),
+            Err(source) => Err(OutputError::Io { path: path.into(), source }),
         }
     }
 
     /// What the user would call this place.
     pub fn path(&self) -> &Path {
         match self {
-            Destination::File(path) | Destination::Device(path) => path,
+            Destination::File { path, .. } | Destination::Device(path) => path,
             Destination::Stdout => Path::new("-"),
         }
     }
@@ -95,7 +99,7 @@ impl Destination {
     /// and what was there before stays if it fails.
     pub fn write(&self, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), OutputError> {
         let written = match self {
-            Destination::File(path) => write_and_rename(path, fill),
+            Destination::File { place, .. } => write_and_rename(place, fill),
             Destination::Device(path) => OpenOptions::new().write(true).open(path).and_then(|file| {
                 let mut buffered = BufWriter::new(file);
                 fill(&mut buffered)?;

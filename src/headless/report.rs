@@ -175,10 +175,12 @@ pub(super) fn file_entries(facts: Option<&SceneFacts>, tally: &Tally, source: Op
             kind: Some(file.kind.clone()),
             first_record: Some(file.first_record),
             bounds: Some(file.bounds),
-            points_in_header: file.points_in_header,
+            // A scene expects no more points than a cut file has room for; the reader's report says
+            // what the header promised.
+            points_in_header: found.map_or(file.points_in_header, |t| t.points_in_header),
             points_decoded: decoded,
             points_stored: tally.stored[index],
-            points_missing: found.map(|_| file.points_in_header.saturating_sub(decoded)),
+            points_missing: found.map(|t| t.points_in_header.saturating_sub(decoded)),
             points_outside_bounds: found.map(|t| t.points_outside_bounds),
             warnings: found.map(|t| t.warnings.clone()).unwrap_or_default(),
             error: found.and_then(|t| t.error.clone()),

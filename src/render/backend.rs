@@ -138,6 +138,9 @@ pub trait Backend {
     /// Times of the latest frame that the device has finished, if it can tell; each is returned once.
     fn pass_times(&mut self) -> Option<PassTimes>;
 
+    /// Waits until the last frame is drawn.
+    fn wait(&mut self) -> Result<(), RenderError>;
+
     /// Waits for the last frame and brings it back.
     fn read(&mut self) -> Result<Picture, RenderError>;
 }
@@ -160,6 +163,9 @@ impl<B: Backend + ?Sized> Backend for Box<B> {
     }
     fn pass_times(&mut self) -> Option<PassTimes> {
         (**self).pass_times()
+    }
+    fn wait(&mut self) -> Result<(), RenderError> {
+        (**self).wait()
     }
     fn read(&mut self) -> Result<Picture, RenderError> {
         (**self).read()

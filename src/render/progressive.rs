@@ -5,7 +5,7 @@ use std::{collections::VecDeque, sync::Arc};
 use serde::Serialize;
 
 use super::{
-    backend::{Backend, FramePlan, Picture, RenderError, Shading},
+    backend::{Backend, FramePlan, PassTimes, Picture, RenderError, Shading},
     budget::{BudgetController, FillBudget},
     camera::View,
     color::FileColor,
@@ -80,16 +80,18 @@ pub struct Progressive<B> {
     spent: Vec<PointBatch>,
     staged: PointBatch,
     input_ended: bool,
-    /// The device has no room for more points.
-    exhausted: bool,
     insertions: u64,
     stored: u32,
     coverage: Coverage,
-    /// Points moved to other slots after they had been compared by them. Among points of equal depth
-    /// in a pixel (duplicates, level ground from above) the lowest slot wins; if the winner moves
-    /// behind one that lost, only trying the loser again puts the picture right.
+    /// Points moved to other slots after the points tried had been compared by them. Among points of
+    /// equal depth in a pixel (duplicates, level ground from above) the lowest slot wins; if the
+    /// winner moves behind one that lost, only trying the loser again puts the picture right.
     unsettled: bool,
+    /// Points entered the store and no frame has drawn them as fresh yet.
+    undrawn: bool,
+    memory_full: bool,
     budget: BudgetController,
+    last_times: Option<PassTimes>,
     last_view: Option<View>,
     last_shading: Option<Shading>,
 }
@@ -107,12 +109,14 @@ impl<B: Backend> Progressive<B> {
             spent: Vec::new(),
             staged: PointBatch::default(),
             input_ended: false,
-            exhausted: false,
             insertions: 0,
             stored: 0,
             coverage: Coverage::default(),
             unsettled: false,
+            undrawn: false,
+            memory_full: false,
             budget: BudgetController::default(),
+            last_times: None,
             last_view: None,
             last_shading: None,
         }
@@ -139,11 +143,12 @@ impl<B: Backend> Progressive<B> {
         self.taken = 0;
         self.staged.clear();
         self.input_ended = false;
-        self.exhausted = false;
         self.insertions = 0;
         self.stored = 0;
         self.coverage = Coverage::default();
         self.unsettled = false;
+        self.undrawn = false;
+        self.memory_full = false;
         self.last_view = None;
     }
 
@@ -159,9 +164,9 @@ impl<B: Backend> Progressive<B> {
         (queued - self.taken + self.staged.len()) as u64
     }
 
-    /// True if the store holds as many points as it may, or as the device's memory does.
+    /// True if the store holds as many points as it may.
     pub fn is_full(&self) -> bool {
-        self.exhausted || u64::from(self.stored) >= self.options.max_points.min(MAX_POINTS)
+        self.memory_full || u64::from(self.stored) >= self.options.max_points.min(MAX_POINTS)
     }
 
     /// Queues a batch for the next frames.
@@ -183,6 +188,16 @@ impl<B: Backend> Progressive<B> {
         self.stored.into()
     }
 
+    /// Points that the next frame may try.
+    pub fn fill_points(&self, budget: FillBudget) -> u32 {
+        self.budget.points(budget)
+    }
+
+    /// Times of the latest frame that the device has finished, if it can tell.
+    pub fn last_pass_times(&self) -> Option<&PassTimes> {
+        self.last_times.as_ref()
+    }
+
     pub fn insertions(&self) -> u64 {
         self.insertions
     }
@@ -193,25 +208,23 @@ impl<B: Backend> Progressive<B> {
     }
 
     /// Draws the next frame, if anything changed since the last.
-    ///
-    /// [`RenderError::OutOfMemory`] is returned once: what is stored stays, [`Progressive::is_full`]
-    /// becomes true, and later frames go on with the points that are there.
     pub fn frame(&mut self, request: &FrameRequest) -> Result<FrameReport, RenderError> {
         let view_changed = self.last_view != Some(request.view);
         if view_changed {
             self.restart();
         }
-        if let FillBudget::Target(secs) = request.fill
-            && let Some(times) = self.backend.pass_times()
-        {
-            self.budget.learn(&times, secs);
+        if let Some(times) = self.backend.pass_times() {
+            if let FillBudget::Target(secs) = request.fill {
+                self.budget.learn(&times, secs);
+            }
+            self.last_times = Some(times);
         }
-        let inserted = self.insert_waiting()?;
+        self.insert_waiting()?;
         if self.unsettled && self.is_loaded() {
             self.restart();
         }
         let complete = self.coverage.is_complete(self.stored);
-        if !view_changed && inserted == 0 && complete && self.last_shading == Some(request.shading) {
+        if !view_changed && !self.undrawn && complete && self.last_shading == Some(request.shading) {
             return Ok(self.report(false, 0));
         }
         let fill = self.coverage.advance(self.stored, self.budget.points(request.fill));
@@ -250,6 +263,7 @@ impl<B: Backend> Progressive<B> {
             files.zip(&self.stats).map(|(file, stats)| FileColor::new(file.first_record, stats.rule())).collect();
         let plan = FramePlan { view: request.view, reproject, fresh, fill, shading: request.shading, files };
         self.backend.draw(&plan)?;
+        self.undrawn = false;
         self.last_view = Some(request.view);
         self.last_shading = Some(request.shading);
         Ok(())
@@ -271,9 +285,9 @@ impl<B: Backend> Progressive<B> {
         self.unsettled = false;
     }
 
-    /// Inserts what waits, as far as one frame may; returns the number of points.
-    fn insert_waiting(&mut self) -> Result<u32, RenderError> {
-        let mut inserted = 0;
+    /// Inserts what waits, as far as one frame may. Once memory is full, nothing more is inserted and
+    /// the points so far can still be drawn.
+    fn insert_waiting(&mut self) -> Result<(), RenderError> {
         for _ in 0..self.backend.insertions_per_frame() {
             let count = self.stage();
             if count == 0 {
@@ -281,35 +295,23 @@ impl<B: Backend> Progressive<B> {
             }
             let insertion = Insertion::new(self.stored, count, self.options.seed, self.insertions);
             if let Err(error) = self.backend.insert(&insertion, &self.staged) {
-                if matches!(error, RenderError::OutOfMemory { .. }) {
-                    self.stop_loading();
-                }
+                self.memory_full |= matches!(error, RenderError::OutOfMemory { .. });
                 return Err(error);
             }
             self.staged.clear();
-            self.coverage.note_inserted(self.stored, count);
+            self.undrawn = true;
             self.unsettled |= self.stored > 0;
+            self.coverage.note_inserted(self.stored, count);
             self.stored += count;
             self.insertions += 1;
-            inserted += count;
         }
-        Ok(inserted)
-    }
-
-    /// Keeps what is stored and drops what waits. Insertions of this frame have not been drawn yet,
-    /// so the next frame must not take the picture for complete.
-    fn stop_loading(&mut self) {
-        self.exhausted = true;
-        self.staged.clear();
-        self.spent.extend(self.queue.drain(..));
-        self.taken = 0;
-        self.last_shading = None;
+        Ok(())
     }
 
     /// Moves points from the queue until they make an insertion; returns its size, 0 if there are not
     /// enough yet.
     fn stage(&mut self) -> u32 {
-        if self.exhausted {
+        if self.is_full() {
             return 0;
         }
         let room = self.options.max_points.min(MAX_POINTS) - u64::from(self.stored);
@@ -317,9 +319,8 @@ impl<B: Backend> Progressive<B> {
         while self.staged.len() < wanted
             && let Some(batch) = self.queue.front()
         {
+            // Also if the batch will enter only in part: its points need a rule for their colours.
             if self.taken == 0 {
-                // Before its first point is seen: of a batch that is cut by `max_points`, all of what
-                // it says of the colours counts.
                 self.stats[batch.file as usize].merge(&batch.stats);
             }
             let end = batch.len().min(self.taken + wanted - self.staged.len());

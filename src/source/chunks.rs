@@ -76,6 +76,11 @@ impl LazLayout {
         self.source == ChunkSource::Table && chunk + 1 < self.chunks.len() as u64
     }
 
+    /// True if nothing says where a chunk ends: decoding goes on into the next one, and gives garbage.
+    pub fn ends_unknown(&self) -> bool {
+        self.source == ChunkSource::OneStream && self.compressor == POINT_WISE_CHUNKED && self.chunk_size.is_none()
+    }
+
     /// Finds a file's chunks; how, if not by its table, is said in the warnings.
     pub fn read(header: &Header, file: &File, warnings: &mut Vec<String>) -> Result<LazLayout, SourceError> {
         let path = || header.path.clone();

@@ -37,7 +37,7 @@ pub enum SourceError {
     )]
     PointOffset { path: PathBuf, header_size: u16, found: u32 },
     #[error(
-        "{}: the points are compressed, but none of the {vlrs} VLRs is the «laszip encoded» one (22204) that says how",
+        "{}: compressed points: expected a «laszip encoded» VLR (22204) that says how, found {vlrs} other VLRs",
         path.display()
     )]
     NoLaszipVlr { path: PathBuf, vlrs: usize },
@@ -52,6 +52,10 @@ pub enum SourceError {
     )]
     TooManyPoints { path: PathBuf, points: u64, before: u64 },
     /// Several inputs, and none could be opened.
-    #[error("none of {} inputs could be opened; the first: {}", errors.len(), errors[0])]
+    #[error("none of {} inputs could be opened; the first: {}", errors.len(), first(errors))]
     AllFailed { errors: Vec<SourceError> },
+}
+
+fn first(errors: &[SourceError]) -> String {
+    errors.first().map(SourceError::to_string).unwrap_or_default()
 }

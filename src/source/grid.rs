@@ -89,9 +89,6 @@ impl Placement {
 
     /// Moves positions onto the grid; returns how many did not fit and were put on its border.
     pub fn apply(&self, positions: &mut [[i32; 3]]) -> u64 {
-        if *self == Self::IDENTITY {
-            return 0;
-        }
         let mut beyond = 0;
         for position in positions {
             let exact: [i64; 3] = std::array::from_fn(|a| match self.axes[a] {

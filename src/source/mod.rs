@@ -10,7 +10,8 @@
 //! header    one file's header, with its VLRs (vlr, crs), read tolerantly
 //! chunks    where a LAZ file's chunks are
 //! plan      which files, which grid (grid), which record numbers
-//! stream    threads and their order; las records, laz chunks (laz) → columns (record)
+//! stream    threads and their order; LAS records, LAZ chunks (laz) → columns (record)
+//! report    what came of it, per file
 //! ```
 
 use std::{
@@ -36,10 +37,14 @@ mod inputs;
 mod laz;
 mod plan;
 mod record;
+mod report;
 mod stream;
 pub(crate) mod vlr;
 
+pub(crate) use bytes::text;
 pub use error::SourceError;
+pub use inputs::list as list_files;
+pub use report::{FileReport, SourceReport};
 
 /// How to read.
 #[derive(Clone, Default)]
@@ -130,46 +135,4 @@ pub fn open(inputs: &[PathBuf], options: OpenOptions) -> Stream {
         let _ = events_to.try_send(Event::Failed(failed));
     }
     Stream { events, free, cancel, thread: thread.ok() }
-}
-
-/// What was read, complete or not.
-#[derive(Debug, Clone, Default, serde::Serialize)]
-pub struct SourceReport {
-    /// The files of [`SceneFacts::files`], in that order, then the inputs that could not be opened.
-    pub files: Vec<FileReport>,
-}
-
-impl SourceReport {
-    /// Points of all files.
-    pub fn points_decoded(&self) -> u64 {
-        self.files.iter().map(|f| f.points_decoded).sum()
-    }
-}
-
-/// What was read of one file.
-#[derive(Debug, Clone, serde::Serialize)]
-pub struct FileReport {
-    pub path: PathBuf,
-    /// The header's count, whatever the file can hold.
-    pub points_in_header: u64,
-    pub points_decoded: u64,
-    /// Decoded points outside of the header's box.
-    pub points_outside_bounds: u64,
-    /// One line each: oddities that cost nothing.
-    pub warnings: Vec<String>,
-    /// Why points are missing, if any are.
-    pub error: Option<String>,
-}
-
-impl FileReport {
-    fn not_opened(path: PathBuf, error: &SourceError) -> FileReport {
-        FileReport {
-            path,
-            points_in_header: 0,
-            points_decoded: 0,
-            points_outside_bounds: 0,
-            warnings: Vec::new(),
-            error: Some(error.to_string()),
-        }
-    }
 }

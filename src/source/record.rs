@@ -57,23 +57,40 @@ impl RecordReader {
         self.finish(start, index, batch)
     }
 
+    /// How many records there are before the first one outside of the header's box.
+    pub fn inside_bounds(&self, bytes: &[u8]) -> usize {
+        let records = bytes.len() / self.record_length;
+        let Some((low, high)) = self.bounds else { return records };
+        let outside = |r: &[u8]| {
+            (0..3).any(|a| {
+                let i = i32_at(r, 4 * a);
+                i < low[a] || i > high[a]
+            })
+        };
+        bytes.chunks_exact(self.record_length).position(outside).unwrap_or(records)
+    }
+
     /// Statistics and the grid, over the points from `start` on.
     fn finish(&self, start: usize, index: u32, batch: &mut PointBatch) -> Oddities {
         let mut oddities = Oddities::default();
         let positions = &mut batch.positions[start..];
-        if let Some((low, high)) = self.bounds {
-            let outside = |p: &[i32; 3]| (0..3).fold(false, |out, a| out | (p[a] < low[a]) | (p[a] > high[a]));
-            oddities.outside_bounds = positions.iter().map(|p| u64::from(outside(p))).sum();
+        let (mut least, mut most) = extent(positions);
+        if let Some((low, high)) = self.bounds
+            && (0..3).any(|a| least[a] < low[a] || most[a] > high[a])
+        {
+            let outside = |p: &&[i32; 3]| (0..3).any(|a| p[a] < low[a] || p[a] > high[a]);
+            oddities.outside_bounds = positions.iter().filter(outside).count() as u64;
         }
-        oddities.beyond_grid = self.placement.apply(positions);
+        if self.placement != Placement::IDENTITY {
+            oddities.beyond_grid = self.placement.apply(positions);
+            (least, most) = extent(positions);
+        }
 
         let stats = &mut batch.stats;
-        for position in positions.iter() {
-            stats.z_min = stats.z_min.min(position[2]);
-            stats.z_max = stats.z_max.max(position[2]);
-        }
+        stats.z_min = stats.z_min.min(least[2]);
+        stats.z_max = stats.z_max.max(most[2]);
         let colors = &batch.colors[start..];
-        let largest = colors.iter().fold([0; 4], |m: [u16; 4], c| std::array::from_fn(|i| m[i].max(c[i])));
+        let largest = largest(colors);
         stats.rgb_max = stats.rgb_max.max(largest[0]).max(largest[1]).max(largest[2]);
         stats.intensity_max = stats.intensity_max.max(largest[3]);
         // Counted by the number in the file: the samples do not depend on where batches begin.
@@ -83,6 +100,42 @@ impl RecordReader {
         }
         oddities
     }
+}
+
+/// Smallest and largest coordinate per axis. Four points at a time, in as many lanes: the compiler
+/// makes vector instructions of that, which it does not of a loop over points (three times as slow).
+fn extent(positions: &[[i32; 3]]) -> ([i32; 3], [i32; 3]) {
+    let (mut least, mut most) = ([i32::MAX; 12], [i32::MIN; 12]);
+    let (fours, rest) = positions.as_flattened().as_chunks::<12>();
+    for four in fours {
+        for lane in 0..12 {
+            least[lane] = least[lane].min(four[lane]);
+            most[lane] = most[lane].max(four[lane]);
+        }
+    }
+    for (lane, &value) in rest.iter().enumerate() {
+        least[lane] = least[lane].min(value);
+        most[lane] = most[lane].max(value);
+    }
+    let over = |lanes: &[i32; 12], pick: fn(i32, i32) -> i32| -> [i32; 3] {
+        std::array::from_fn(|a| (1..4).fold(lanes[a], |m, i| pick(m, lanes[a + 3 * i])))
+    };
+    (over(&least, i32::min), over(&most, i32::max))
+}
+
+/// Largest value per channel, in lanes like [`extent`].
+fn largest(colors: &[[u16; 4]]) -> [u16; 4] {
+    let mut most = [0; 32];
+    let (eights, rest) = colors.as_flattened().as_chunks::<32>();
+    for eight in eights {
+        for lane in 0..32 {
+            most[lane] = eight[lane].max(most[lane]);
+        }
+    }
+    for (lane, &value) in rest.iter().enumerate() {
+        most[lane] = value.max(most[lane]);
+    }
+    std::array::from_fn(|c| (0..8).fold(0, |m, i| m.max(most[c + 4 * i])))
 }
 
 /// The first `H` bytes of each record.
@@ -160,6 +213,27 @@ mod tests {
                 // Points 0, 16, 32, 48, although the batch was filled in two runs.
                 assert_eq!(stats.intensity.iter().sum::<u32>(), 4);
                 assert_eq!(stats.intensity[intensity_bin(16 + 7)], 1);
+            }
+        }
+    }
+
+    #[test]
+    fn lanes_give_what_a_plain_loop_gives() {
+        let mut x = 1u32;
+        let mut next = || {
+            x = x.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            x
+        };
+        for n in (0..40).chain([255, 256, 257]) {
+            let positions: Vec<[i32; 3]> = (0..n).map(|_| [next() as i32, next() as i32, next() as i32]).collect();
+            let colors: Vec<[u16; 4]> = (0..n).map(|_| [0; 4].map(|_: u16| (next() >> 16) as u16)).collect();
+            let (least, most) = extent(&positions);
+            for a in 0..3 {
+                assert_eq!(least[a], positions.iter().map(|p| p[a]).min().unwrap_or(i32::MAX), "{n} points");
+                assert_eq!(most[a], positions.iter().map(|p| p[a]).max().unwrap_or(i32::MIN), "{n} points");
+            }
+            for c in 0..4 {
+                assert_eq!(largest(&colors)[c], colors.iter().map(|v| v[c]).max().unwrap_or(0), "{n} points");
             }
         }
     }

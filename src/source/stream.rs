@@ -22,7 +22,7 @@ use super::{
     header::open_regular,
     laz::{ChunkEnd, DECODER_THREAD, decode_chunk, silence_decoder_panics, take_panic},
     plan::{self, FilePlan, Layout},
-    record::Oddities,
+    report::{Outcome, file_report},
 };
 use crate::scene::{BATCH_POINTS, PointBatch};
 
@@ -31,7 +31,7 @@ const EVENTS_AHEAD: usize = 4;
 /// Batches of one task that wait for their turn.
 const PIECES_AHEAD: usize = 2;
 /// Bytes of LAS records per read.
-const READ_BYTES: usize = 1 << 20;
+const READ_BYTES: usize = 1 << 18;
 /// How long a blocked sender waits before it looks at the cancel flag again.
 const LOOK_UP: Duration = Duration::from_millis(10);
 
@@ -58,18 +58,6 @@ fn tasks_ahead(threads: usize) -> usize {
 enum Piece {
     Batch(PointBatch),
     End(Outcome),
-}
-
-/// How a task ended.
-#[derive(Default)]
-struct Outcome {
-    oddities: Oddities,
-    /// The first fault, and how many chunks had one.
-    fault: Option<String>,
-    faults: u64,
-    /// The first chunk that looks damaged although it could be decoded, and how many do.
-    suspect: Option<String>,
-    suspects: u64,
 }
 
 /// A run of work: LAS records, or chunks of a LAZ file, as numbers within the file.
@@ -134,7 +122,7 @@ impl Engine {
             self.send(Event::Failed(SourceError::Io { path: PathBuf::new(), doing: "start a decoder", reason }));
             return;
         };
-        let mut files: Vec<FileReport> = plan.files.iter().zip(outcomes).map(|(f, o)| report(f, o)).collect();
+        let mut files: Vec<FileReport> = plan.files.iter().zip(outcomes).map(|(f, o)| file_report(f, o)).collect();
         files.extend(plan.failed);
         self.send(Event::Finished(SourceReport { files }));
     }
@@ -295,10 +283,16 @@ impl Output<'_> {
         for number in task.start..task.end {
             let chunk = &layout.chunks[number as usize];
             let mut decoded = 0;
+            let mut lost = false;
             let length = self.plan.header.record_length();
-            let end = decode_chunk(file, layout, length, chunk, |records, index| {
+            let end = decode_chunk(file, layout, length, chunk, |mut records, index| {
+                if layout.ends_unknown() {
+                    let sane = self.plan.reader.inside_bounds(records);
+                    lost = sane < records.len() / length;
+                    records = &records[..sane * length];
+                }
                 decoded += (records.len() / length) as u64;
-                self.records(records, index)
+                self.records(records, index) && !lost
             });
             let place = format!("chunk {number} (bytes {} to {})", chunk.at, chunk.at + chunk.bytes);
             match end {
@@ -308,6 +302,10 @@ impl Output<'_> {
                     self.outcome.suspect.get_or_insert_with(what);
                 }
                 ChunkEnd::Complete { .. } => {}
+                ChunkEnd::Stopped if lost => self.fault(format!(
+                    "{place}: chunks of varying size, and no table that says where they end: \
+                     nothing sensible after {decoded} points"
+                )),
                 ChunkEnd::Stopped => return,
                 ChunkEnd::Fault(what) => {
                     self.fault(format!("{place}: {what}, after {decoded} of {} points", chunk.points));
@@ -360,64 +358,5 @@ impl Output<'_> {
             // Nobody listens any more: nothing to be done about it.
             let _ = self.to.send(Piece::End(self.outcome));
         }
-    }
-}
-
-impl Outcome {
-    fn merge(&mut self, other: Outcome) {
-        self.oddities.outside_bounds += other.oddities.outside_bounds;
-        self.oddities.beyond_grid += other.oddities.beyond_grid;
-        self.faults += other.faults;
-        self.fault = self.fault.take().or(other.fault);
-        self.suspects += other.suspects;
-        self.suspect = self.suspect.take().or(other.suspect);
-    }
-}
-
-/// One file's report, when all of it was read.
-fn report(plan: &FilePlan, (decoded, outcome): (u64, Outcome)) -> FileReport {
-    let header = &plan.header;
-    let mut warnings = plan.warnings.clone();
-    if let Some(suspect) = outcome.suspect {
-        warnings.push(if outcome.suspects > 1 {
-            format!("{suspect}; so are {} more chunks", outcome.suspects - 1)
-        } else {
-            suspect
-        });
-    }
-    if outcome.oddities.outside_bounds > 0 {
-        let n = outcome.oddities.outside_bounds;
-        warnings.push(format!("{n} of {decoded} points lie outside of the header's box; they are shown"));
-    }
-    if outcome.oddities.beyond_grid > 0 {
-        let n = outcome.oddities.beyond_grid;
-        warnings.push(format!("{n} points lie beyond the scene's 32-bit grid; they are shown at its border"));
-    }
-    let missing = header.points.saturating_sub(decoded);
-    let error = (missing > 0 || outcome.fault.is_some()).then(|| {
-        let why = match (&outcome.fault, &plan.layout) {
-            (Some(fault), _) if outcome.faults > 1 => format!("{fault}; {} more faults", outcome.faults - 1),
-            (Some(fault), _) => fault.clone(),
-            (None, Layout::Las) => format!(
-                "expected {} records of {} bytes from byte {} on, the file ends at byte {} (in record {})",
-                header.points,
-                header.record_length(),
-                header.data_at(),
-                header.file_length,
-                plan.points
-            ),
-            (None, Layout::Laz(layout)) => {
-                format!("expected {} points, the {} chunks hold {}", header.points, layout.chunks.len(), plan.points)
-            }
-        };
-        format!("{missing} of {} points are missing, {decoded} are kept: {why}", header.points)
-    });
-    FileReport {
-        path: header.path.clone(),
-        points_in_header: header.points,
-        points_decoded: decoded,
-        points_outside_bounds: outcome.oddities.outside_bounds,
-        warnings,
-        error,
     }
 }

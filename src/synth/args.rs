@@ -3,6 +3,7 @@
 use std::{io::IsTerminal, path::PathBuf, time::Instant};
 
 use super::{Scene, SynthError, SynthOptions, SynthSummary, write};
+use crate::cli::parse_count;
 
 /// Write a test scan.
 ///
@@ -87,24 +88,6 @@ pub fn run(args: &SynthArgs) -> Result<SynthSummary, SynthError> {
     Ok(summary)
 }
 
-/// A whole number, with a decimal part and a suffix if they make a whole number together.
-fn parse_count(text: &str) -> Result<u64, String> {
-    let expected = || format!("expected a number of points such as 250000, 250k, 1.5M or 1G, found {text:?}");
-    let (digits, zeros) = match text.char_indices().next_back() {
-        Some((end, 'k' | 'K')) => (&text[..end], 3),
-        Some((end, 'm' | 'M')) => (&text[..end], 6),
-        Some((end, 'g' | 'G')) => (&text[..end], 9),
-        _ => (text, 0),
-    };
-    let (whole, part) = digits.split_once('.').unwrap_or((digits, ""));
-    let is_number = !whole.is_empty() && (whole.to_owned() + part).bytes().all(|b| b.is_ascii_digit());
-    if !is_number || part.len() > zeros {
-        return Err(expected());
-    }
-    // In decimal digits: no rounding.
-    format!("{whole}{part}{}", "0".repeat(zeros - part.len())).parse().map_err(|_| expected())
-}
-
 fn parse_version(text: &str) -> Result<(u8, u8), String> {
     let expected = || format!("expected a LAS version such as 1.4, found {text:?}");
     let (major, minor) = text.split_once('.').ok_or_else(expected)?;
@@ -123,17 +106,6 @@ fn parse_triple(text: &str) -> Result<[f64; 3], String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn counts_take_suffixes_and_stay_exact() {
-        assert_eq!(parse_count("0"), Ok(0));
-        assert_eq!(parse_count("250k"), Ok(250_000));
-        assert_eq!(parse_count("1.5G"), Ok(1_500_000_000));
-        assert_eq!(parse_count("0.000001M"), Ok(1));
-        for bad in ["", "k", ".5M", "1.5", "0.0001k", "-1", "1e6", "1 M", "99999999999G", "½M", "1é"] {
-            assert!(parse_count(bad).is_err(), "{bad:?} was taken");
-        }
-    }
 
     #[test]
     fn versions_and_triples() {

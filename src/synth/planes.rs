@@ -51,7 +51,7 @@ pub(super) fn point(seed: u64, i: u64) -> ([i32; 3], SynthPoint) {
     let x = number.wrapping_mul(0xc13f_a9a9_02a6_328f).wrapping_add(start);
     let y = number.wrapping_mul(0x91e1_0da5_c79e_7b1d).wrapping_add(mix(start));
     let side = plane_side(plane);
-    let place = |fraction: u64| ((fraction >> 32) * side as u64 >> 32) as i32 - side / 2;
+    let place = |fraction: u64| (((fraction >> 32) * side as u64) >> 32) as i32 - side / 2;
     let at = [place(x), place(y), plane_height(plane)];
     let rgb = PLANE_COLORS[plane as usize];
     let point = SynthPoint {

@@ -1,27 +1,105 @@
-//! TODO
-use std::path::PathBuf;
+//! The window: eframe on wgpu. It consumes the same events and records the same frames as `headless`;
+//! its own are the camera in the user's hands ([`navigation`]) and the lines over the picture.
+//!
+//! Nothing is drawn while nothing changes: decoders wake the window, the picture asks for frames until
+//! it has converged, and then the window sleeps.
 
-use crate::render::RasterChoice;
+mod app;
+mod blit;
+mod format;
+mod input;
+mod loading;
+mod messages;
+mod navigation;
+mod overlay;
+mod probe;
 
+use std::{path::PathBuf, sync::Arc};
+
+use eframe::egui_wgpu::{SurfaceConfig, WgpuConfiguration, WgpuError, WgpuSetup, WgpuSetupCreateNew};
+
+use crate::render::{GpuBackend, RasterChoice, RenderError};
+
+/// What to show, and how.
+#[derive(Debug, Clone, Default)]
 pub struct Options {
+    /// Files and folders; none: an empty window that waits for a drop.
     pub inputs: Vec<PathBuf>,
     pub raster: RasterChoice,
+    /// Width of a point, 1 to 8 pixels.
     pub point_size: u32,
     pub seed: u64,
+    /// Points to try per frame; by default as many as the frame time allows.
     pub fill: Option<u32>,
+    /// Decoder threads.
     pub threads: Option<usize>,
 }
 
+/// Why there is no window.
 #[derive(Debug, thiserror::Error)]
 pub enum ViewError {
-    #[error("no GPU adapter for a window{0}")]
+    #[error("no display to open a window on: {0}")]
+    NoDisplay(String),
+    #[error("no GPU adapter that can draw in a window: {0}")]
     NoAdapter(String),
+    #[error(transparent)]
+    Render(RenderError),
 }
 
+/// Whether there is a display to try. Even then [`run`] can find none.
 pub fn has_display() -> bool {
-    false
+    if !cfg!(all(unix, not(target_os = "macos"))) {
+        return true;
+    }
+    ["DISPLAY", "WAYLAND_DISPLAY"].iter().any(|name| std::env::var_os(name).is_some_and(|value| !value.is_empty()))
 }
 
-pub fn run(_options: Options) -> Result<(), ViewError> {
-    Err(ViewError::NoAdapter(String::new()))
+/// Opens the window and returns when it is closed.
+pub fn run(options: Options) -> Result<(), ViewError> {
+    let setup = WgpuSetupCreateNew {
+        device_descriptor: Arc::new(GpuBackend::device_descriptor),
+        ..WgpuSetupCreateNew::without_display_handle()
+    };
+    let native = eframe::NativeOptions {
+        viewport: eframe::egui::ViewportBuilder::default()
+            .with_title("firstlight")
+            .with_app_id("firstlight")
+            .with_inner_size([1280.0, 800.0])
+            .with_icon(eframe::egui::IconData::default())
+            .with_drag_and_drop(true),
+        renderer: eframe::Renderer::Wgpu,
+        wgpu_options: WgpuConfiguration {
+            surface: SurfaceConfig::HIGH_THROUGHPUT,
+            wgpu_setup: WgpuSetup::CreateNew(setup),
+            ..Default::default()
+        },
+        // Points are drawn, not interpolated: noise would only change their colours.
+        dithering: false,
+        persist_window: false,
+        ..Default::default()
+    };
+    let create = move |cc: &eframe::CreationContext<'_>| {
+        let state = cc.wgpu_render_state.as_ref().ok_or("eframe was built without wgpu")?;
+        let app = app::App::new(&cc.egui_ctx, state, options)?;
+        Ok(Box::new(app) as Box<dyn eframe::App>)
+    };
+    eframe::run_native("firstlight", native, Box::new(create)).map_err(ViewError::from)
+}
+
+impl From<eframe::Error> for ViewError {
+    fn from(error: eframe::Error) -> ViewError {
+        match error {
+            eframe::Error::Winit(error) => ViewError::NoDisplay(error.to_string()),
+            eframe::Error::WinitEventLoop(error) => ViewError::NoDisplay(error.to_string()),
+            eframe::Error::Wgpu(WgpuError::HandleError(error)) => ViewError::NoDisplay(error.to_string()),
+            eframe::Error::Wgpu(error) => ViewError::NoAdapter(error.to_string()),
+            eframe::Error::AppCreation(error) => match error.downcast::<RenderError>() {
+                Ok(error) => match *error {
+                    RenderError::NoAdapter(detail) => ViewError::NoAdapter(detail),
+                    other => ViewError::Render(other),
+                },
+                Err(error) => ViewError::NoAdapter(error.to_string()),
+            },
+        }
+    }
 }

@@ -174,6 +174,10 @@ impl Backend for CpuBackend {
         self.times.take()
     }
 
+    fn wait(&mut self) -> Result<(), RenderError> {
+        Ok(())
+    }
+
     fn read(&mut self) -> Result<Picture, RenderError> {
         let depth_of = |word: &mut AtomicU64| match *word.get_mut() {
             BACKGROUND => f32::INFINITY,

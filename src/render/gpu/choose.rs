@@ -1,6 +1,6 @@
 //! Which rasterizer: what the user asked for if the device can, else the faster one, measured.
 
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use super::{GpuBackend, HardwareRaster};
 use crate::{
@@ -23,45 +23,49 @@ pub enum RasterChoice {
     Hardware,
 }
 
-/// Points that the measurement draws: enough that points outweigh the passes around them, few enough
-/// that it is over in some 20 ms on a software rasterizer.
-const PROBE_POINTS: u32 = 100_000;
+/// Points that the measurement draws: enough for a timestamp (30 µs at a billion points per second),
+/// few enough that a software rasterizer, at some million points per second, does not delay the window.
+const PROBE_POINTS: u32 = 30_000;
 const PROBE_SIZE: [u32; 2] = [640, 360];
 
-pub fn raster(
+/// A backend with the rasterizer that `choice` asks for.
+pub fn backend(
     adapter: &wgpu::Adapter,
-    device: &wgpu::Device,
-    queue: &wgpu::Queue,
+    device: wgpu::Device,
+    queue: wgpu::Queue,
     choice: RasterChoice,
-) -> Result<Raster, RenderError> {
+) -> Result<GpuBackend, RenderError> {
+    let info = adapter.get_info();
     let int64 = wgpu::Features::SHADER_INT64 | wgpu::Features::SHADER_INT64_ATOMIC_MIN_MAX;
     let compute = if device.features().contains(int64) { Raster::Compute } else { Raster::Compute32 };
-    match (choice, HardwareRaster::missing(adapter)) {
-        (RasterChoice::Compute, _) | (RasterChoice::Auto, Some(_)) => Ok(compute),
-        (RasterChoice::Compute32, _) => Ok(Raster::Compute32),
-        (RasterChoice::Hardware, None) => Ok(Raster::Hardware),
-        (RasterChoice::Hardware, Some(missing)) => Err(RenderError::Unsupported {
-            adapter: adapter.get_info().name,
-            raster: Raster::Hardware,
-            missing: missing.to_owned(),
-        }),
-        (RasterChoice::Auto, None) => {
-            let secs = |raster| probe(adapter, device, queue, raster);
-            let (by_compute, by_hardware) = (secs(compute)?, secs(Raster::Hardware)?);
-            log::info!("{PROBE_POINTS} points: {compute} {by_compute:?}, hardware {by_hardware:?}");
-            Ok(if by_hardware < by_compute { Raster::Hardware } else { compute })
+    let missing = HardwareRaster::missing(adapter);
+    let raster = match (choice, missing) {
+        (RasterChoice::Hardware, Some(missing)) => {
+            let missing = missing.to_owned();
+            return Err(RenderError::Unsupported { adapter: info.name, raster: Raster::Hardware, missing });
         }
+        (RasterChoice::Hardware, None) => Raster::Hardware,
+        (RasterChoice::Compute32, _) => Raster::Compute32,
+        (RasterChoice::Compute | RasterChoice::Auto, _) => compute,
+    };
+    let mut backend = GpuBackend::with_raster(&info, device, queue, raster);
+    if choice == RasterChoice::Auto && missing.is_none() {
+        let by_compute = probe(&mut backend)?;
+        let computing = backend.set_raster(Raster::Hardware);
+        let by_hardware = probe(&mut backend)?;
+        log::info!("{PROBE_POINTS} points: {compute} {by_compute} s, hardware {by_hardware} s");
+        if by_compute <= by_hardware {
+            backend.put_back(compute, computing);
+        }
+        backend.reset(0);
     }
+    Ok(backend)
 }
 
-/// Time to draw points spread over the picture, the best of three frames.
-fn probe(
-    adapter: &wgpu::Adapter,
-    device: &wgpu::Device,
-    queue: &wgpu::Queue,
-    raster: Raster,
-) -> Result<Duration, RenderError> {
-    let mut backend = GpuBackend::with_raster(&adapter.get_info(), device.clone(), queue.clone(), raster);
+/// Seconds to draw points spread over the picture: the second of two frames, since drivers finish
+/// compiling in the first. On the device's clock where it has one.
+fn probe(backend: &mut GpuBackend) -> Result<f64, RenderError> {
+    backend.reset(PROBE_POINTS.into());
     let insertion = Insertion::new(0, PROBE_POINTS, 0, 0);
     let side = 1000;
     let points = PointBatch {
@@ -85,12 +89,13 @@ fn probe(
         shading: Shading::default(),
         files: vec![],
     };
-    let mut best = Duration::MAX;
-    for _ in 0..3 {
+    let mut secs = f64::INFINITY;
+    for _ in 0..2 {
         let start = Instant::now();
         backend.draw(&plan)?;
-        device.poll(wgpu::PollType::wait_indefinitely()).map_err(|e| RenderError::DeviceLost(e.to_string()))?;
-        best = best.min(start.elapsed());
+        backend.wait()?;
+        let wall_secs = start.elapsed().as_secs_f64();
+        secs = backend.pass_times().map_or(wall_secs, |times| times.fill);
     }
-    Ok(best)
+    Ok(secs)
 }

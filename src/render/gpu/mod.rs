@@ -35,6 +35,24 @@ enum Rasterizer {
     Hardware(HardwareRaster),
 }
 
+impl Rasterizer {
+    fn new(
+        raster: Raster,
+        device: &wgpu::Device,
+        layouts: &TargetLayouts,
+        store: &GpuStore,
+        binder: &SourceBinder,
+    ) -> Rasterizer {
+        match raster {
+            Raster::Hardware => Rasterizer::Hardware(HardwareRaster::new(device, store)),
+            _ => {
+                let with_int64 = raster == Raster::Compute;
+                Rasterizer::Compute(ComputeRaster::new(device, with_int64, layouts, store, binder))
+            }
+        }
+    }
+}
+
 /// Stores points and draws frames on a GPU.
 pub struct GpuBackend {
     info: BackendInfo,
@@ -72,8 +90,7 @@ impl GpuBackend {
         queue: wgpu::Queue,
         choice: RasterChoice,
     ) -> Result<GpuBackend, RenderError> {
-        let raster = choose::raster(adapter, &device, &queue, choice)?;
-        Ok(GpuBackend::with_raster(&adapter.get_info(), device, queue, raster))
+        choose::backend(adapter, device, queue, choice)
     }
 
     /// A backend with a rasterizer that the device can run.
@@ -86,13 +103,7 @@ impl GpuBackend {
         let store = GpuStore::new(&device, &queue);
         let layouts = TargetLayouts::new(&device);
         let binder = SourceBinder::new(&device);
-        let rasterizer = match raster {
-            Raster::Hardware => Rasterizer::Hardware(HardwareRaster::new(&device, &store)),
-            _ => {
-                let with_int64 = raster == Raster::Compute;
-                Rasterizer::Compute(ComputeRaster::new(&device, with_int64, &layouts, &store, &binder))
-            }
-        };
+        let rasterizer = Rasterizer::new(raster, &device, &layouts, &store, &binder);
         let lost = std::sync::Arc::<std::sync::Mutex<Option<String>>>::default();
         let loss = lost.clone();
         device.set_device_lost_callback(move |reason, message| {
@@ -125,11 +136,30 @@ impl GpuBackend {
         }
     }
 
+    /// Another rasterizer that the device can run; returns the one before.
+    fn set_raster(&mut self, raster: Raster) -> Rasterizer {
+        let rasterizer = Rasterizer::new(raster, &self.device, &self.layouts, &self.store, &self.binder);
+        self.put_back(raster, rasterizer)
+    }
+
+    fn put_back(&mut self, raster: Raster, rasterizer: Rasterizer) -> Rasterizer {
+        self.info.raster = raster;
+        // A rasterizer may have targets of its own, made when the size of the picture changes.
+        self.targets = None;
+        std::mem::replace(&mut self.rasterizer, rasterizer)
+    }
+
     /// The picture of the last frame: one u32 per pixel (red in the lowest byte, then green, blue,
     /// alpha), row by row from the top; and its width and height. The buffer is another one after
     /// the size of the picture changed.
     pub fn picture_buffer(&self) -> Option<(&wgpu::Buffer, [u32; 2])> {
         self.targets.as_ref().map(|targets| (&targets.picture, targets.size))
+    }
+
+    /// The words of the last frame, in the same order: slot (all ones: background), then the bits of the
+    /// depth.
+    pub fn words_buffer(&self) -> Option<(&wgpu::Buffer, [u32; 2])> {
+        self.targets.as_ref().map(|targets| (&targets.words, targets.size))
     }
 
     /// The store, for measuring with other settings than a viewer's.
@@ -225,6 +255,13 @@ impl Backend for GpuBackend {
         // An error here is a lost device, which the next frame reports.
         let _ = self.device.poll(wgpu::PollType::Poll);
         self.timer.take()
+    }
+
+    fn wait(&mut self) -> Result<(), RenderError> {
+        self.device
+            .poll(wgpu::PollType::wait_indefinitely())
+            .map_err(|error| RenderError::DeviceLost(error.to_string()))?;
+        self.check_device()
     }
 
     fn read(&mut self) -> Result<Picture, RenderError> {

@@ -188,7 +188,9 @@ pub(super) fn crown_hit(tree: &Tree, beam: &Beam, ground: f64, away: f64, number
     }
     if number + 1 == count {
         let is_bush = h >> 61 == 0;
-        let z = ground + if is_bush { 0.2 + 0.8 * unit(h, 0) } else { 0.05 * unit(h, 0) };
+        let above = if is_bush { 0.2 + 0.8 * unit(h, 0) } else { 0.05 * unit(h, 0) };
+        // Below the lowest branch, so that later returns are lower under the smallest tree, too.
+        let z = ground + above.min(0.15 * top);
         let paint = if is_bush { paint::UNDERGROWTH } else { paint::FOREST_FLOOR };
         return Hit { at: at(z), paint, shade: 0.7 };
     }

@@ -1,0 +1,124 @@
+//! What was read of each file, what is missing and why.
+
+use std::path::PathBuf;
+
+use super::{
+    SourceError,
+    plan::{FilePlan, Layout},
+    record::Oddities,
+};
+
+/// What was read, complete or not.
+#[derive(Debug, Clone, Default, serde::Serialize)]
+pub struct SourceReport {
+    /// The files of [`SceneFacts::files`](crate::scene::SceneFacts::files), in that order, then the inputs that could not be opened.
+    pub files: Vec<FileReport>,
+}
+
+impl SourceReport {
+    /// Points of all files.
+    pub fn points_decoded(&self) -> u64 {
+        self.files.iter().map(|f| f.points_decoded).sum()
+    }
+}
+
+/// What was read of one file.
+#[derive(Debug, Clone, serde::Serialize)]
+pub struct FileReport {
+    pub path: PathBuf,
+    /// The header's count, whatever the file can hold.
+    pub points_in_header: u64,
+    pub points_decoded: u64,
+    /// Decoded points outside of the header's box.
+    pub points_outside_bounds: u64,
+    /// One line each: oddities that cost nothing.
+    pub warnings: Vec<String>,
+    /// Why points are missing, if any are.
+    pub error: Option<String>,
+}
+
+impl FileReport {
+    /// The report of an input that could not be opened.
+    pub(super) fn not_opened(path: PathBuf, error: &SourceError) -> FileReport {
+        FileReport {
+            path,
+            points_in_header: 0,
+            points_decoded: 0,
+            points_outside_bounds: 0,
+            warnings: Vec::new(),
+            error: Some(error.to_string()),
+        }
+    }
+}
+
+/// How a task ended.
+#[derive(Default)]
+pub struct Outcome {
+    pub oddities: Oddities,
+    /// The first fault, and how many chunks had one.
+    pub fault: Option<String>,
+    pub faults: u64,
+    /// The first chunk that looks damaged although it could be decoded, and how many do.
+    pub suspect: Option<String>,
+    pub suspects: u64,
+}
+
+impl Outcome {
+    /// Adds a later task's outcome.
+    pub fn merge(&mut self, other: Outcome) {
+        self.oddities.outside_bounds += other.oddities.outside_bounds;
+        self.oddities.beyond_grid += other.oddities.beyond_grid;
+        self.faults += other.faults;
+        self.fault = self.fault.take().or(other.fault);
+        self.suspects += other.suspects;
+        self.suspect = self.suspect.take().or(other.suspect);
+    }
+}
+
+/// One file's report, when all of it was read.
+pub fn file_report(plan: &FilePlan, (decoded, outcome): (u64, Outcome)) -> FileReport {
+    let header = &plan.header;
+    let mut warnings = plan.warnings.clone();
+    if let Some(suspect) = outcome.suspect {
+        warnings.push(if outcome.suspects > 1 {
+            format!("{suspect}; so are {} more chunks", outcome.suspects - 1)
+        } else {
+            suspect
+        });
+    }
+    if outcome.oddities.outside_bounds > 0 {
+        let n = outcome.oddities.outside_bounds;
+        warnings.push(format!("{n} of {decoded} points lie outside of the header's box; they are shown"));
+    }
+    if outcome.oddities.beyond_grid > 0 {
+        let n = outcome.oddities.beyond_grid;
+        warnings.push(format!("{n} points lie beyond the scene's 32-bit grid; they are shown at its border"));
+    }
+    let missing = header.points.saturating_sub(decoded);
+    let error = (missing > 0 || outcome.fault.is_some()).then(|| {
+        let why = match (&outcome.fault, &plan.layout) {
+            (Some(fault), _) if outcome.faults > 1 => format!("{fault}; {} more faults", outcome.faults - 1),
+            (Some(fault), _) => fault.clone(),
+            (None, Layout::Las) => format!(
+                "expected {} records of {} bytes from byte {} on, the file ends at byte {} (in record {})",
+                header.points,
+                header.record_length(),
+                header.data_at(),
+                header.file_length,
+                plan.points
+            ),
+            (None, Layout::Laz(layout)) => {
+                format!("expected {} points, the {} chunks hold {}", header.points, layout.chunks.len(), plan.points)
+            }
+        };
+        format!("{missing} of {} points are missing, {decoded} are kept: {why}", header.points)
+    });
+    FileReport {
+        path: header.path.clone(),
+        points_in_header: header.points,
+        points_decoded: decoded,
+        points_outside_bounds: outcome.oddities.outside_bounds,
+        warnings,
+        error,
+    }
+}

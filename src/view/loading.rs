@@ -1,0 +1,168 @@
+//! From the decoders' channel into the store, a few milliseconds per frame; and how far that is.
+
+use std::{
+    collections::VecDeque,
+    path::PathBuf,
+    sync::Arc,
+    time::{Duration, Instant},
+};
+
+use crossbeam_channel::TryRecvError;
+
+use crate::{
+    render::{Backend, Progressive},
+    scene::SceneFacts,
+    source::{self, Event, OpenOptions, SourceReport, Stream},
+};
+
+/// Speed is shown as an average over this long.
+const RATE_WINDOW: Duration = Duration::from_secs(1);
+
+/// Said when the channel closes before its last event.
+const LOST: &str = "the reader stopped without saying why; this is a defect of firstlight, please report it";
+
+/// A scene on its way in. Dropping it stops the decoders.
+pub struct Loading {
+    stream: Option<Stream>,
+    scene: Option<Arc<SceneFacts>>,
+    points_read: u64,
+    started: Instant,
+    ended: Option<Instant>,
+    /// Points read at times of the last second.
+    recent: VecDeque<(Instant, u64)>,
+}
+
+/// What [`Loading::take_first`] found.
+pub enum First {
+    /// Headers are still being read.
+    Nothing,
+    Opened(Arc<SceneFacts>),
+    /// Nothing could be opened, and why.
+    Failed(String),
+}
+
+/// What [`Loading::drain`] found.
+pub enum Drained {
+    /// Nothing more for now; the decoders wake the window when there is.
+    Empty,
+    /// There is, or may be, more than one frame takes.
+    More,
+    /// The input has ended.
+    Ended(End),
+}
+
+pub enum End {
+    Finished(SourceReport),
+    /// It broke off, and why.
+    Failed(String),
+}
+
+impl Loading {
+    pub fn start(inputs: &[PathBuf], threads: Option<usize>, wake: Arc<dyn Fn() + Send + Sync>) -> Loading {
+        Loading {
+            stream: Some(source::open(inputs, OpenOptions { threads, wake: Some(wake) })),
+            scene: None,
+            points_read: 0,
+            started: Instant::now(),
+            ended: None,
+            recent: VecDeque::new(),
+        }
+    }
+
+    /// Looks whether the headers are known; to be called until they are.
+    pub fn take_first(&mut self) -> First {
+        let Some(stream) = &self.stream else { return First::Nothing };
+        match stream.events().try_recv() {
+            Ok(Event::Opened(scene)) => {
+                self.scene = Some(scene.clone());
+                First::Opened(scene)
+            }
+            Ok(Event::Failed(error)) => First::Failed(error.to_string()),
+            Err(TryRecvError::Empty) => First::Nothing,
+            // Batches and reports follow `Opened` only.
+            Ok(Event::Batch(_) | Event::Finished(_)) | Err(TryRecvError::Disconnected) => First::Failed(LOST.into()),
+        }
+    }
+
+    /// Takes batches until the store has enough for a frame or the time is up.
+    pub fn drain<B: Backend>(&mut self, store: &mut Progressive<B>, most: Duration) -> Drained {
+        let Some(stream) = &self.stream else {
+            store.spent().for_each(drop);
+            return Drained::Empty;
+        };
+        for batch in store.spent() {
+            stream.recycle(batch);
+        }
+        let began = Instant::now();
+        let end = loop {
+            if !store.wants_points() || began.elapsed() > most {
+                break None;
+            }
+            match stream.events().try_recv() {
+                Ok(Event::Batch(batch)) => {
+                    self.points_read += batch.len() as u64;
+                    store.offer(batch);
+                }
+                Ok(Event::Finished(report)) => break Some(End::Finished(report)),
+                Ok(Event::Failed(error)) => break Some(End::Failed(error.to_string())),
+                Ok(Event::Opened(_)) => {}
+                Err(TryRecvError::Empty) => {
+                    self.note_rate();
+                    return Drained::Empty;
+                }
+                Err(TryRecvError::Disconnected) => break Some(End::Failed(LOST.into())),
+            }
+        };
+        self.note_rate();
+        match end {
+            Some(end) => {
+                store.end_of_input();
+                self.stop();
+                Drained::Ended(end)
+            }
+            None => Drained::More,
+        }
+    }
+
+    /// Stops the decoders.
+    pub fn stop(&mut self) {
+        self.stream = None;
+        self.ended.get_or_insert_with(Instant::now);
+    }
+
+    pub fn is_running(&self) -> bool {
+        self.stream.is_some()
+    }
+
+    pub fn scene(&self) -> Option<&Arc<SceneFacts>> {
+        self.scene.as_ref()
+    }
+
+    pub fn points_read(&self) -> u64 {
+        self.points_read
+    }
+
+    /// From the start until now, or until all was read.
+    pub fn elapsed(&self) -> Duration {
+        self.ended.unwrap_or_else(Instant::now) - self.started
+    }
+
+    /// Points per second: of the last second while loading, of the whole afterwards.
+    pub fn rate(&self) -> f64 {
+        match (self.ended, self.recent.front()) {
+            (None, Some((since, before))) if since.elapsed() > Duration::from_millis(100) => {
+                (self.points_read - before) as f64 / since.elapsed().as_secs_f64()
+            }
+            _ => self.points_read as f64 / self.elapsed().as_secs_f64().max(1e-3),
+        }
+    }
+
+    fn note_rate(&mut self) {
+        let now = Instant::now();
+        self.recent.push_back((now, self.points_read));
+        // One sample older than the window stays, so that the window is always covered.
+        while self.recent.get(1).is_some_and(|(at, _)| now - *at > RATE_WINDOW) {
+            self.recent.pop_front();
+        }
+    }
+}

@@ -1,0 +1,224 @@
+//! The lines over the picture: what is on screen, and the few controls. Only paints what it is given.
+
+use eframe::egui::{
+    self, Align, Align2, Area, Button, Color32, CornerRadius, FontId, Frame, Id, Label, Layout, Margin, Order, Rect,
+    RichText, Sense, Slider, Ui, vec2,
+};
+
+use super::format::{count, duration, percent};
+
+/// Sizes of points that the controls offer.
+pub const POINT_SIZES: std::ops::RangeInclusive<u32> = 1..=8;
+
+const TEXT: Color32 = Color32::from_rgb(226, 230, 236);
+const DIM: Color32 = Color32::from_rgb(150, 160, 172);
+const ACCENT: Color32 = Color32::from_rgb(106, 182, 255);
+const PANEL: Color32 = Color32::from_rgba_premultiplied(13, 15, 19, 218);
+const LINE_HEIGHT: f32 = 20.0;
+/// Two lines, the space between them and around them.
+const BAR_HEIGHT: f32 = 2.0 * LINE_HEIGHT + 3.0 + 10.0;
+/// Narrower windows show the lines without the controls.
+const CONTROLS_FROM_WIDTH: f32 = 640.0;
+
+/// What the lines say.
+#[derive(Debug, Clone, Default)]
+pub struct Status {
+    pub files: String,
+    /// Files after the first one.
+    pub kind: String,
+    pub loading: bool,
+    pub points_read: u64,
+    pub points_stored: u64,
+    /// Promised by the headers.
+    pub points_total: u64,
+    pub points_per_sec: f64,
+    pub loading_secs: f64,
+    /// Points tried per frame.
+    pub fill: u32,
+    pub fill_is_fixed: bool,
+    /// Of the last frame, where the device can tell.
+    pub device_secs: Option<f64>,
+    /// From window frame to window frame, while they follow each other.
+    pub window_secs: f64,
+    pub points_tried: u64,
+    pub adapter: String,
+    pub raster: String,
+}
+
+/// What the user sets.
+#[derive(Debug, Clone, Copy)]
+pub struct Settings {
+    pub point_size: u32,
+    pub edl: bool,
+    pub overlay: bool,
+    pub help: bool,
+}
+
+/// What the user asks for with a button.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ask {
+    Home,
+    Top,
+    Front,
+    Side,
+}
+
+/// Two lines at the lower edge.
+pub fn bar(ctx: &egui::Context, status: &Status, settings: &mut Settings) -> Option<Ask> {
+    let mut asked = None;
+    let screen = ctx.content_rect();
+    Area::new(Id::unique("status")).order(Order::Foreground).anchor(Align2::LEFT_BOTTOM, vec2(0.0, 0.0)).show(
+        ctx,
+        |ui| {
+            Frame::new().fill(PANEL).inner_margin(Margin::symmetric(10, 5)).show(ui, |ui| {
+                ui.set_width(screen.width() - 20.0);
+                ui.set_height(BAR_HEIGHT - 10.0);
+                ui.spacing_mut().item_spacing = vec2(8.0, 3.0);
+                line(ui, |ui| {
+                    if screen.width() >= CONTROLS_FROM_WIDTH {
+                        asked = controls(ui, settings);
+                    }
+                    ui.with_layout(Layout::left_to_right(Align::Center), |ui| loading_line(ui, status));
+                });
+                line(ui, |ui| {
+                    ui.add(Label::new(small(&format!("{} · {}", status.adapter, status.raster)).color(DIM)).truncate());
+                    ui.with_layout(Layout::left_to_right(Align::Center), |ui| frame_line(ui, status));
+                });
+            });
+            progress(ui, screen, status);
+        },
+    );
+    asked
+}
+
+/// One line, filled from the right; what comes last gets what is left of it.
+fn line(ui: &mut Ui, contents: impl FnOnce(&mut Ui)) {
+    ui.allocate_ui_with_layout(vec2(ui.available_width(), LINE_HEIGHT), Layout::right_to_left(Align::Center), contents);
+}
+
+fn small(text: &str) -> RichText {
+    RichText::new(text).font(FontId::proportional(12.5)).color(TEXT)
+}
+
+fn loading_line(ui: &mut Ui, s: &Status) {
+    ui.add(Label::new(small(&s.files).strong().color(Color32::WHITE)).truncate());
+    let read = percent(s.points_read, s.points_total);
+    let mut text = format!("{} · {read} read · {} of {} points", s.kind, count(s.points_stored), count(s.points_total));
+    text += &if s.loading {
+        format!(" · {} points/s", count(s.points_per_sec as u64))
+    } else {
+        format!(" · loaded in {} ({} points/s)", duration(s.loading_secs), count(s.points_per_sec as u64))
+    };
+    ui.add(Label::new(small(&text)).truncate());
+}
+
+fn frame_line(ui: &mut Ui, s: &Status) {
+    let fixed = if s.fill_is_fixed { " (fixed)" } else { "" };
+    let device = s.device_secs.map_or("–".to_owned(), duration);
+    let text = format!(
+        "{} of the points tried · fill {} per frame{fixed} · device {device} · window {}",
+        percent(s.points_tried, s.points_stored),
+        count(s.fill.into()),
+        duration(s.window_secs),
+    );
+    ui.add(Label::new(small(&text)).truncate());
+}
+
+/// Two hairlines along the bar's upper edge: read, and tried.
+fn progress(ui: &Ui, screen: Rect, s: &Status) {
+    let top = ui.min_rect().top();
+    let share = |part: u64, whole: u64| if whole == 0 { 0.0 } else { (part as f32 / whole as f32).min(1.0) };
+    let hairline = |y: f32, share: f32, color| {
+        let rect = Rect::from_min_size(egui::pos2(screen.left(), y), vec2(screen.width() * share, 2.0));
+        ui.painter().rect_filled(rect, CornerRadius::ZERO, color);
+    };
+    hairline(top, 1.0, Color32::from_black_alpha(120));
+    hairline(top, share(s.points_tried, s.points_stored), Color32::from_gray(110));
+    if s.loading {
+        hairline(top, share(s.points_read, s.points_total), ACCENT);
+    }
+}
+
+/// From the right.
+fn controls(ui: &mut Ui, settings: &mut Settings) -> Option<Ask> {
+    let mut asked = None;
+    let button = |ui: &mut Ui, text: &str, hint: &str| ui.add(Button::new(small(text)).small()).on_hover_text(hint);
+    if button(ui, "?", "Keys and mouse (F1)").clicked() {
+        settings.help = !settings.help;
+    }
+    for (ask, text, hint) in [
+        (Ask::Side, "Side", "From the east (3)"),
+        (Ask::Front, "Front", "From the south (1)"),
+        (Ask::Top, "Top", "From above (7)"),
+        (Ask::Home, "Fit", "Show all (Home or H)"),
+    ] {
+        if button(ui, text, hint).clicked() {
+            asked = Some(ask);
+        }
+    }
+    ui.checkbox(&mut settings.edl, small("shading")).on_hover_text("Eye-dome lighting (L)");
+    ui.spacing_mut().slider_width = 64.0;
+    ui.add(Slider::new(&mut settings.point_size, POINT_SIZES).suffix(" px")).on_hover_text("Size of points ([ and ])");
+    asked
+}
+
+/// In the middle of an empty window.
+pub fn invitation(ui: &Ui, waiting_for: Option<&str>) {
+    let middle = ui.max_rect().center();
+    let (first, second) = match waiting_for {
+        Some(name) => (format!("Opening {name} …"), String::new()),
+        None => ("Drop a LAS or LAZ file here".to_owned(), "or a folder of them · F1 shows the controls".to_owned()),
+    };
+    let paint = |offset: f32, text: String, size: f32, color| {
+        ui.painter().text(middle + vec2(0.0, offset), Align2::CENTER_CENTER, text, FontId::proportional(size), color);
+    };
+    paint(0.0, first, 24.0, TEXT);
+    paint(30.0, second, 14.0, DIM);
+}
+
+/// Shown while files hover over the window.
+pub fn drop_target(ctx: &egui::Context) {
+    let painter = ctx.layer_painter(egui::LayerId::new(Order::Tooltip, Id::unique("drop target")));
+    let screen = ctx.content_rect();
+    painter.rect_filled(screen, CornerRadius::ZERO, Color32::from_black_alpha(150));
+    let frame = screen.shrink(16.0);
+    painter.rect_stroke(frame, CornerRadius::same(8), (2.0, ACCENT), egui::StrokeKind::Inside);
+    let font = FontId::proportional(24.0);
+    painter.text(screen.center(), Align2::CENTER_CENTER, "Drop to open", font, Color32::WHITE);
+}
+
+/// Keys and mouse.
+pub fn help(ctx: &egui::Context, settings: &mut Settings) {
+    const ROWS: [(&str, &str); 14] = [
+        ("Left drag", "orbit"),
+        ("Right or middle drag, Shift + left", "pan: the grabbed point follows"),
+        ("Wheel, pinch", "zoom to the cursor"),
+        ("Double click", "orbit around the point there"),
+        ("W A S D", "fly forward, left, back, right"),
+        ("Q E", "fly down, up"),
+        ("Shift with these", "five times as fast"),
+        ("Home, H", "fit all"),
+        ("7, 1, 3", "from above, from the south, from the east"),
+        ("[ ]  or  - =", "point size"),
+        ("L", "eye-dome lighting on or off"),
+        ("O", "this bar on or off"),
+        ("F1, ?", "this help"),
+        ("Drop files or folders", "open them instead"),
+    ];
+    let frame = Frame::new().fill(PANEL).inner_margin(14).corner_radius(6);
+    let area = Area::new(Id::unique("help")).order(Order::Foreground).anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0));
+    let shown = area.show(ctx, |ui| {
+        frame.show(ui, |ui| {
+            egui::Grid::new("keys").num_columns(2).spacing(vec2(24.0, 5.0)).show(ui, |ui| {
+                for (keys, meaning) in ROWS {
+                    ui.label(small(keys).strong().color(Color32::WHITE));
+                    ui.label(small(meaning));
+                    ui.end_row();
+                }
+            });
+        });
+    });
+    if shown.response.interact(Sense::click()).clicked() {
+        settings.help = false;
+    }
+}

@@ -1,0 +1,205 @@
+//! The picture, its arrays and its report.
+
+use std::fs;
+
+use firstlight::{render::Shading, synth::Scene};
+use sha2::{Digest, Sha256};
+
+use crate::bench::{Bench, Outputs, data, ways_to_draw};
+
+#[test]
+fn the_outputs_agree() {
+    let bench = Bench::new();
+    bench.scan("a.laz", Scene::Town, 100_000);
+    for point_size in [1, 3] {
+        let outputs = bench.render(&format!("a.laz --backend cpu --size 400x300 --point-size {point_size}"));
+        assert_eq!(outputs.shape, [300, 400]);
+        assert!(outputs.covered() > 10_000, "{}", outputs.covered());
+        let rgb = outputs.rgb();
+        for ((&id, &depth), &rgb) in outputs.ids.iter().zip(&outputs.depth).zip(&rgb) {
+            assert!((-1..100_000).contains(&id));
+            assert_eq!(id == -1, depth == f32::INFINITY);
+            assert!(depth > 0.0);
+            assert!(id >= 0 || rgb == Shading::default().background);
+        }
+        let rgba: Vec<u8> = rgb.iter().flat_map(|&[r, g, b]| [r, g, b, 255]).collect();
+        let sha: String = Sha256::digest(&rgba).iter().map(|b| format!("{b:02x}")).collect();
+        assert_eq!(outputs.report["picture_sha256"], sha);
+    }
+}
+
+/// Ids of the progressive and of the brute-force picture are the same, array for array.
+fn assert_exact(bench: &Bench, inputs: &str, way: &str, more: &str) -> Outputs {
+    let progressive = bench.render(&format!("{inputs} {way} {more}"));
+    assert_eq!(progressive.report["converged"], true);
+    let brute_force = bench.render(&format!("{inputs} {way} {more} --brute-force"));
+    assert_eq!(brute_force.report["brute_force"], true);
+    let differing = progressive.differing_ids(&brute_force);
+    assert_eq!(differing, 0, "{inputs} {way} {more}: pixels that differ");
+    assert!(progressive.covered() > 0);
+    progressive
+}
+
+#[test]
+fn progressive_is_brute_force() {
+    let bench = Bench::new();
+    bench.scan("town.laz", Scene::Town, 200_000);
+    bench.scan("planes.las", Scene::Planes, 200_000);
+    for way in ways_to_draw() {
+        for input in ["town.laz", "planes.las"] {
+            // Many insertions, and frames that try few points.
+            assert_exact(&bench, input, way, "--size 500x400 --insertion-points 20k --fill 30k");
+        }
+        assert_exact(&bench, "town.laz planes.las", way, "--size 500x400 --point-size 2");
+    }
+}
+
+#[test]
+fn progressive_is_brute_force_on_samples() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("sample_data");
+    if !folder.is_dir() {
+        eprintln!("SKIPPED: no {}", folder.display());
+        return;
+    }
+    let bench = Bench::new();
+    for way in ways_to_draw() {
+        assert_exact(&bench, folder.to_str().unwrap(), way, "--size 640x480");
+    }
+}
+
+#[test]
+fn progressive_is_brute_force_on_real_scans() {
+    let Some(data) = data() else { return };
+    let bench = Bench::new();
+    for name in
+        ["pdal-autzen_trim_7.las", "laserchicken-AHN3.laz", "potree-lion_takanawa.copc.laz", "pdal-lone-star.copc.laz"]
+    {
+        let scan = data.join("scans").join(name);
+        for way in ways_to_draw() {
+            assert_exact(&bench, scan.to_str().unwrap(), way, "--size 640x480");
+        }
+    }
+}
+
+#[test]
+fn the_comparison_sees_a_single_point() {
+    let bench = Bench::new();
+    bench.scan("a.las", Scene::Planes, 1_000);
+    let all = bench.render("a.las --backend cpu --size 300x200");
+    let shown = *all.ids.iter().max().unwrap();
+    let fewer = bench.render(&format!("a.las --backend cpu --size 300x200 --stop points={shown}"));
+    assert!((1..=2).contains(&all.differing_ids(&fewer)), "one point is missing: the last one shown");
+}
+
+#[test]
+fn a_run_can_be_repeated() {
+    let bench = Bench::new();
+    bench.scan("a.laz", Scene::Town, 300_000);
+    for way in ways_to_draw() {
+        let args = format!("a.laz {way} --stop frames=2 --insertion-points 10k --fill 15k --size 320x240");
+        let first = bench.render(&args);
+        assert_eq!(first.report["frames"], 2);
+        assert_eq!(first.report["converged"], false, "{way}: there is something left to go wrong");
+        for threads in [1, 3] {
+            let again = bench.render(&format!("{args} --threads {threads}"));
+            assert!(first.png == again.png, "{way}, {threads} threads: other colours");
+            assert!(first.ids == again.ids && first.depth == again.depth, "{way}, {threads} threads: other points");
+        }
+        let other = bench.render(&format!("{args} --seed 2"));
+        assert_ne!(first.differing_ids(&other), 0, "another seed draws other points first");
+    }
+}
+
+#[test]
+fn only_so_many_points_are_stored() {
+    let bench = Bench::new();
+    bench.scan("a.laz", Scene::Town, 50_000);
+    bench.scan("b.las", Scene::Town, 50_000);
+    let outputs = bench.render("a.laz b.las --backend cpu --stop points=60_123 --size 320x240");
+    let report = &outputs.report;
+    assert_eq!(report["points_stored"], 60_123);
+    assert_eq!(report["files"][0]["points_stored"], 50_000);
+    assert_eq!(report["files"][1]["points_stored"], 10_123);
+    assert_eq!(report["converged"], true);
+    assert!(outputs.ids.iter().all(|&id| id < 60_123));
+    // Of one batch in part: its colours are those of the whole scan.
+    let part = bench.render("a.laz --backend cpu --stop points=5k --size 320x240 --edl 0");
+    let whole = bench.render("a.laz --backend cpu --size 320x240 --edl 0");
+    let (part_rgb, whole_rgb) = (part.rgb(), whole.rgb());
+    let same: Vec<usize> = (0..part.ids.len()).filter(|&i| part.ids[i] >= 0 && part.ids[i] == whole.ids[i]).collect();
+    assert!(same.len() > 100);
+    assert!(same.iter().all(|&i| part_rgb[i] == whole_rgb[i]));
+}
+
+#[test]
+fn the_reported_camera_gives_the_same_picture() {
+    let bench = Bench::new();
+    bench.scan("a.laz", Scene::Town, 100_000);
+    let mut scans = vec![bench.path("a.laz")];
+    scans.extend(data().map(|data| data.join("scans/vapc-vasp_in.laz")));
+    for scan in scans {
+        let args = format!("{} --backend cpu --size 400x300", scan.display());
+        let fitted = bench.render(&args);
+        assert_eq!(fitted.report["camera_given"], false);
+        bench.write("cam.json", fitted.report["camera"].to_string());
+        let given = bench.render(&format!("{args} --camera cam.json"));
+        assert_eq!(given.report["camera_given"], true);
+        assert_eq!(given.report["camera"], fitted.report["camera"]);
+        assert!(fitted.ids == given.ids && fitted.depth == given.depth && fitted.png == given.png);
+    }
+}
+
+#[test]
+fn the_report_is_complete() {
+    let bench = Bench::new();
+    bench.scan("a.las", Scene::Town, 100_000);
+    for way in ways_to_draw() {
+        let report = bench.render(&format!("a.las {way} --size 320x200 --seed 7")).report;
+        for key in ["points_in_header", "points_decoded", "points_stored"] {
+            assert_eq!(report[key], 100_000, "{key}");
+            assert_eq!(report["files"][0][key], 100_000, "{key} of the file");
+        }
+        assert_eq!(report["points_missing"], 0);
+        assert_eq!(report["batches"], 2, "65,536 points and the rest");
+        assert!(report["frames"].as_u64().unwrap() >= 1);
+        assert_eq!(report["converged"], true);
+        assert_eq!(report["seed"], 7);
+        assert_eq!(report["size_px"], serde_json::json!([320, 200]));
+        assert_eq!(report["point_size_px"], 1);
+        assert_eq!(report["files"][0]["kind"], "LAS 1.2, format 3");
+        assert_eq!(report["files"][0]["first_record"], 0);
+        let raster = way.strip_prefix("--raster ").unwrap_or("cpu");
+        assert_eq!(report["rasterizer"], raster);
+        assert_eq!(report["backend"], if raster == "cpu" { "cpu" } else { "gpu" });
+        for key in ["program", "adapter", "api", "picture_sha256"] {
+            assert!(!report[key].as_str().unwrap().is_empty(), "{key}");
+        }
+        let seconds = ["to_first_point", "to_first_picture", "to_all_loaded", "to_converged", "to_picture"]
+            .map(|key| report["seconds"][key].as_f64().unwrap_or_else(|| panic!("{key}: {report}")));
+        assert!(seconds[0] > 0.0 && seconds.is_sorted_by(|a, b| a <= b), "{seconds:?}");
+        if cfg!(target_os = "linux") {
+            assert!(report["peak_memory_bytes"].as_u64().unwrap() > 1 << 20);
+        }
+        for (key, name) in
+            [("picture", "out.png"), ("ids", "ids.npy"), ("depth", "depth.npy"), ("report", "report.json")]
+        {
+            assert_eq!(report["outputs"][key], name);
+        }
+    }
+}
+
+#[test]
+fn a_scan_without_points_is_an_empty_picture() {
+    let bench = Bench::new();
+    let path = bench.scan("a.las", Scene::Planes, 10);
+    let mut bytes = fs::read(&path).unwrap();
+    bytes[107..111].fill(0);
+    let points_at = u32::from_le_bytes(bytes[96..100].try_into().unwrap()) as usize;
+    fs::write(&path, &bytes[..points_at]).unwrap();
+    for way in ways_to_draw() {
+        let outputs = bench.render(&format!("a.las {way} --size 64x48"));
+        assert_eq!(outputs.covered(), 0);
+        assert_eq!(outputs.report["converged"], true);
+        assert!(outputs.report["seconds"]["to_first_point"].is_null());
+    }
+}

@@ -1,0 +1,86 @@
+//! The source room against real files, an independent reader's checksums, and files broken on purpose.
+
+use std::{
+    io::Write,
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+
+use firstlight::{
+    scene::{BATCH_POINTS, PointBatch, SceneFacts},
+    source::{Event, OpenOptions, SourceError, SourceReport, Stream, open},
+};
+
+mod broken;
+mod made;
+mod real;
+mod streams;
+
+/// The folder of real files, if there is one.
+fn data() -> Option<PathBuf> {
+    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
+    let found = std::env::var_os("FIRSTLIGHT_DATA").map_or(beside, PathBuf::from);
+    if found.is_dir() {
+        return Some(found);
+    }
+    // Straight to the terminal: what a passing test prints with `eprintln!` is swallowed.
+    let _ =
+        writeln!(std::io::stderr(), "SKIPPED: no real scans: {} is not there (set FIRSTLIGHT_DATA)", found.display());
+    None
+}
+
+/// Everything that a stream gave.
+struct Read {
+    facts: Arc<SceneFacts>,
+    batches: Vec<PointBatch>,
+    report: SourceReport,
+}
+
+impl Read {
+    fn points(&self) -> usize {
+        self.batches.iter().map(PointBatch::len).sum()
+    }
+
+    fn error(&self) -> &str {
+        self.report.files[0].error.as_deref().unwrap_or("")
+    }
+}
+
+fn start(inputs: &[PathBuf], threads: usize) -> Stream {
+    open(inputs, OpenOptions { threads: Some(threads), wake: None })
+}
+
+/// Reads all of the inputs and checks what must hold of any stream.
+fn read(inputs: &[PathBuf], threads: usize) -> Result<Read, SourceError> {
+    let stream = start(inputs, threads);
+    let mut facts = None;
+    let mut report = None;
+    let mut batches: Vec<PointBatch> = Vec::new();
+    for event in stream.events() {
+        match event {
+            Event::Opened(opened) => {
+                assert!(facts.is_none() && batches.is_empty());
+                facts = Some(opened);
+            }
+            Event::Batch(batch) => {
+                assert!(facts.is_some() && report.is_none());
+                batches.push(batch);
+            }
+            Event::Finished(finished) => report = Some(finished),
+            Event::Failed(error) => return Err(error),
+        }
+    }
+    let (facts, report) = (facts.expect("Opened"), report.expect("Finished"));
+    let mut next = 0;
+    for batch in &batches {
+        assert!(!batch.is_empty() && batch.len() <= BATCH_POINTS);
+        assert_eq!((batch.colors.len(), batch.records.len()), (batch.len(), batch.len()));
+        for &record in &batch.records {
+            assert!(record >= next, "record {record} after {next}");
+            next = record + 1;
+        }
+    }
+    let read = Read { facts, batches, report };
+    assert_eq!(read.points() as u64, read.report.points_decoded());
+    Ok(read)
+}

@@ -1,0 +1,155 @@
+//! Real files: every point, against an independent reader's checksums; every broken file's outcome.
+
+use firstlight::{info::Info, scene::PointBatch};
+
+use super::{data, read};
+
+/// The reference's hash: see tests/reference/laspy_checksums.py.
+fn checksum(batches: &[PointBatch]) -> u64 {
+    let mut sum = 0u64;
+    let mut weight = 1u64;
+    for batch in batches {
+        for (position, color) in batch.positions.iter().zip(&batch.colors) {
+            let bytes = position.iter().flat_map(|p| p.to_le_bytes()).chain(color.iter().flat_map(|c| c.to_le_bytes()));
+            let hash = bytes.fold(0xcbf2_9ce4_8422_2325, |h: u64, b| (h ^ u64::from(b)).wrapping_mul(0x0100_0000_01b3));
+            sum = sum.wrapping_add(hash.wrapping_mul(weight));
+            weight = weight.wrapping_add(2);
+        }
+    }
+    sum
+}
+
+/// Lines of the reference: file, points, hash.
+fn reference() -> Vec<(&'static str, usize, u64)> {
+    let lines = include_str!("../reference/checksums.tsv").lines().filter(|l| !l.starts_with('#'));
+    lines
+        .map(|line| {
+            let mut fields = line.split('\t');
+            let mut field = || fields.next().expect("three columns");
+            (field(), field().parse().unwrap(), u64::from_str_radix(field(), 16).unwrap())
+        })
+        .collect()
+}
+
+#[test]
+fn every_point_is_what_an_independent_reader_says() {
+    let Some(data) = data() else { return };
+    let mut faults = Vec::new();
+    for (name, points, hash) in reference() {
+        let read = match read(&[data.join(name)], 2) {
+            Ok(read) => read,
+            Err(error) => {
+                faults.push(format!("{error}"));
+                continue;
+            }
+        };
+        if (read.points(), checksum(&read.batches)) != (points, hash) || !read.error().is_empty() {
+            faults.push(format!("{name}: {} of {points} points, {}", read.points(), read.error()));
+        }
+        let file = &read.report.files[0];
+        for warning in &file.warnings {
+            println!("{name}: {warning}");
+        }
+    }
+    assert!(faults.is_empty(), "{} files differ:\n{}", faults.len(), faults.join("\n"));
+    assert!(reference().len() > 70);
+}
+
+#[test]
+fn the_checksum_sees_one_changed_value_and_one_swapped_pair() {
+    let batch = |n: i32| PointBatch {
+        positions: (0..n).map(|i| [i, i * 7, -i]).collect(),
+        colors: (0..n).map(|i| [i as u16, 1, 2, 3]).collect(),
+        ..Default::default()
+    };
+    let good = checksum(&[batch(1000)]);
+    let mut changed = batch(1000);
+    changed.positions[500][2] += 1;
+    assert_ne!(checksum(&[changed]), good);
+    let mut changed = batch(1000);
+    changed.colors[999][3] ^= 0x100;
+    assert_ne!(checksum(&[changed]), good);
+    let mut swapped = batch(1000);
+    swapped.positions.swap(10, 11);
+    assert_ne!(checksum(&[swapped]), good);
+}
+
+/// File, points that are delivered, and part of the error (of the file, or of opening it) or, after a
+/// «~», of a warning.
+const BROKEN: [(&str, usize, &str); 15] = [
+    ("laszip-broken_coder.laz", 0, "expected coder 0 (arithmetic), found 15"),
+    ("laszip-broken_size.laz", 0, "expected version 1 or 2 of item Point10, found 6"),
+    (
+        "pasture-10_points_format_10.laz",
+        0,
+        "expected items of 67 bytes in total, as the header's records are, found 38",
+    ),
+    ("pasture-10_points_format_9.laz", 0, "expected items of 59 bytes in total, as the header's records are, found 30"),
+    ("pdal-1.2-no-points.las", 0, "expected 1065 records of 34 bytes from byte 229 on, the file ends at byte 229"),
+    ("pdal-2-2-2-2.laz", 0, "expected a header of 227 bytes, the file ends at byte 4"),
+    ("pdal-bad-geotiff-keys.las", 10, ""),
+    ("pdal-bad_vlr_count.las", 10, "~expected 3 VLRs, found 2"),
+    ("pdal-garbage_nVariableLength.las", 718, "1 of 719 points are missing, 718 are kept"),
+    ("pdal-gps-time-nan.las", 1, ""),
+    ("pdal-hextest.las", 8, ""),
+    ("pdal-lots_of_vlr.las", 1, ""),
+    ("pdal-no-points.las", 0, ""),
+    ("pdal-simple-laszip-compressor-version-1.2r0.laz", 1065, ""),
+    ("pdal-spurious.las", 1065, "~1 of 1065 points lie outside of the header's box"),
+];
+
+#[test]
+fn every_broken_file_has_its_expected_outcome() {
+    let Some(data) = data() else { return };
+    for (name, points, expected) in BROKEN {
+        let (found, error, warnings) = match read(&[data.join("broken").join(name)], 2) {
+            Ok(read) => (read.points(), read.error().to_owned(), read.report.files[0].warnings.join("; ")),
+            Err(error) => (0, error.to_string(), String::new()),
+        };
+        assert_eq!(found, points, "{name}: {error}");
+        match expected.strip_prefix('~') {
+            Some(warning) => assert!(error.is_empty() && warnings.contains(warning), "{name}: {error} {warnings}"),
+            None if expected.is_empty() => assert_eq!(error, "", "{name}"),
+            None => assert!(error.contains(expected), "{name}: {error}"),
+        }
+        assert!(!error.contains('\n') && !warnings.contains('\n'), "{name}: more than one line");
+    }
+}
+
+/// The same bytes, one of them changed, must not pass for the whole.
+#[test]
+fn a_damaged_scan_is_noticed() {
+    let Some(data) = data() else { return };
+    let mut bytes = std::fs::read(data.join("scans/pdal-autzen_trim.laz")).unwrap();
+    let at = bytes.len() / 2;
+    bytes[at] ^= 0x55;
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("damaged.laz");
+    std::fs::write(&path, bytes).unwrap();
+    let read = read(&[path], 2).unwrap();
+    let file = &read.report.files[0];
+    assert!(file.error.is_some() || file.warnings.iter().any(|w| w.contains("damaged")), "{file:?}");
+}
+
+#[test]
+fn info_describes_every_file() {
+    let Some(data) = data() else { return };
+    for (name, points, _) in reference() {
+        let info = Info::read(&data.join(name)).unwrap();
+        assert_eq!(info.points.count, points as u64, "{name}");
+        if let Some(laz) = &info.laz {
+            let in_chunks: u64 = laz.chunks.iter().map(|c| c.points).sum();
+            assert_eq!(in_chunks, points as u64, "{name}");
+        }
+        assert!(serde_json::to_string(&info).unwrap().len() > 500);
+        assert!(info.to_string().lines().count() > 10);
+    }
+    let info = Info::read(&data.join("formats/las-rs-32-1-472-150-76.laz")).unwrap();
+    assert_eq!((info.crs.projected_epsg, info.crs.vertical_epsg), (Some(25832), Some(5941)));
+    let info = Info::read(&data.join("scans/pdal-autzen_trim_7.las")).unwrap();
+    assert!(info.crs.wkt.unwrap().starts_with("PROJCS[\"NAD_1983_HARN_Lambert_Confor"));
+    for (name, _, _) in BROKEN {
+        // An error or an answer, but never a panic.
+        let _ = Info::read(&data.join("broken").join(name)).map(|info| info.to_string());
+    }
+}

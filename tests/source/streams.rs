@@ -1,0 +1,194 @@
+//! Order, threads, cancelling, several files: what holds whatever the format.
+
+use std::{
+    path::PathBuf,
+    time::{Duration, Instant},
+};
+
+use firstlight::{
+    scene::{BATCH_POINTS, PointBatch},
+    source::{Event, SourceError},
+};
+
+use super::{
+    data,
+    made::{As, Scan},
+    read, start,
+};
+
+fn same(a: &[PointBatch], b: &[PointBatch]) -> bool {
+    let equal = |(a, b): (&PointBatch, &PointBatch)| {
+        a.file == b.file
+            && a.positions == b.positions
+            && a.colors == b.colors
+            && a.records == b.records
+            && a.stats == b.stats
+    };
+    a.len() == b.len() && a.iter().zip(b).all(equal)
+}
+
+#[test]
+fn made_scans_come_back_as_they_were() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("scan.laz");
+    for format in [0, 1, 2, 3, 6, 7, 8] {
+        for extra_bytes in [0, 3] {
+            for how in [As::Las, As::Laz(700), As::LazVarying(100)] {
+                let scan = Scan { extra_bytes, ..Scan::new(format, 5_000) };
+                std::fs::write(&path, scan.bytes(how)).unwrap();
+                let read = read(std::slice::from_ref(&path), 2).unwrap();
+                let found: Vec<_> = read.batches.iter().flat_map(|b| b.positions.iter().copied()).collect();
+                assert_eq!(found, scan.positions(), "format {format} + {extra_bytes}, {how:?}");
+                let file = &read.report.files[0];
+                assert_eq!((file.error.as_deref(), file.points_outside_bounds), (None, 0));
+                assert!(file.warnings.is_empty(), "{:?}", file.warnings);
+            }
+        }
+    }
+}
+
+#[test]
+fn batches_do_not_depend_on_the_number_of_threads() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut inputs: Vec<PathBuf> = Vec::new();
+    for (i, how) in [As::Las, As::Laz(10_000), As::LazVarying(1_000), As::Laz(150_000)].into_iter().enumerate() {
+        let path = dir.path().join(format!("{i}.laz"));
+        std::fs::write(&path, Scan::new(7, 200_000 + i as u32).bytes(how)).unwrap();
+        inputs.push(path);
+    }
+    if let Some(data) = data() {
+        inputs.push(data.join("scans/pdal-lone-star.copc.laz"));
+        inputs.push(data.join("formats"));
+    }
+    let one = read(&inputs, 1).unwrap();
+    assert!(one.batches.iter().any(|b| b.len() == BATCH_POINTS));
+    for threads in [2, 4] {
+        let more = read(&inputs, threads).unwrap();
+        assert!(same(&one.batches, &more.batches), "{threads} threads");
+    }
+    let mut changed = read(&inputs, 2).unwrap().batches;
+    changed.last_mut().unwrap().colors[0][3] ^= 1;
+    assert!(!same(&one.batches, &changed), "the comparison must see a changed value");
+}
+
+/// A big scan, and what is needed to make reading it take a while.
+fn big(dir: &std::path::Path, how: As) -> PathBuf {
+    let path = dir.join(format!("{how:?}.laz"));
+    std::fs::write(&path, Scan::new(7, 600_000).bytes(how)).unwrap();
+    path
+}
+
+#[test]
+fn dropping_the_stream_stops_all_threads() {
+    let dir = tempfile::tempdir().unwrap();
+    let inputs = [big(dir.path(), As::Las), big(dir.path(), As::Laz(50_000)), big(dir.path(), As::LazVarying(300_000))];
+    for input in inputs.map(|i| vec![i]) {
+        for wait in [0, 1, 20, 150] {
+            for keep_receiver in [false, true] {
+                let stream = start(&input, 3);
+                let kept = keep_receiver.then(|| stream.events().clone());
+                // Half of the time, take something first; then let the channel fill up.
+                if wait % 2 == 0 {
+                    let _ = stream.events().recv();
+                }
+                std::thread::sleep(Duration::from_millis(wait));
+                let before = Instant::now();
+                drop(stream);
+                let took = before.elapsed();
+                assert!(took < Duration::from_millis(200), "{took:?} after {wait} ms");
+                drop(kept);
+            }
+        }
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn no_thread_outlives_its_stream() {
+    // Other tests run beside this one: names alone do not tell whose threads they are.
+    let dir = tempfile::tempdir().unwrap();
+    let path = big(dir.path(), As::Laz(50_000));
+    let marker = std::sync::Arc::new(());
+    let held = std::sync::Arc::clone(&marker);
+    let wake: std::sync::Arc<dyn Fn() + Send + Sync> = std::sync::Arc::new(move || {
+        let _ = &held;
+    });
+    let options = firstlight::source::OpenOptions { threads: Some(2), wake: Some(wake) };
+    drop(firstlight::source::open(&[path], options));
+    assert_eq!(std::sync::Arc::strong_count(&marker), 1, "the thread and its callback are gone");
+}
+
+#[test]
+fn recycled_buffers_change_nothing() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = big(dir.path(), As::Laz(20_000));
+    let kept = read(std::slice::from_ref(&path), 2).unwrap();
+    let stream = start(&[path], 2);
+    let mut number = 0;
+    for event in stream.events() {
+        if let Event::Batch(batch) = event {
+            assert!(same(&kept.batches[number..=number], std::slice::from_ref(&batch)));
+            stream.recycle(batch);
+            number += 1;
+        }
+    }
+    assert_eq!(number, kept.batches.len());
+}
+
+#[test]
+fn several_files_share_one_grid_and_one_count() {
+    let dir = tempfile::tempdir().unwrap();
+    let scans = [
+        Scan { offset: 500_000.0, ..Scan::new(1, 1_000) },
+        Scan { scale: 0.001, offset: 500_100.0, ..Scan::new(7, 70_000) },
+        Scan { offset: 499_000.0, ..Scan::new(2, 10) },
+    ];
+    let folder = dir.path().join("folder");
+    std::fs::create_dir(&folder).unwrap();
+    let inputs: Vec<PathBuf> = vec![dir.path().join("first.las"), folder.clone(), dir.path().join("nothing.las")];
+    std::fs::write(&inputs[0], scans[0].bytes(As::Las)).unwrap();
+    std::fs::write(folder.join("a.laz"), scans[1].bytes(As::Laz(5_000))).unwrap();
+    std::fs::write(folder.join("b.las"), scans[2].bytes(As::Las)).unwrap();
+    std::fs::write(folder.join("c.las"), b"no scan at all").unwrap();
+
+    let read = read(&inputs, 2).unwrap();
+    let firsts: Vec<u32> = read.facts.files.iter().map(|f| f.first_record).collect();
+    assert_eq!(firsts, [0, 1_000, 71_000]);
+    assert_eq!(read.facts.grid.scale, [0.001; 3]);
+    let expected = scans.iter().flat_map(|s| s.positions().into_iter().map(|p| (*s, p)));
+    let found = read.batches.iter().flat_map(|b| &b.positions);
+    let mut points = 0;
+    for ((scan, position), &found) in expected.zip(found) {
+        let found = read.facts.grid.world(found);
+        for axis in 0..3 {
+            let expected = scan.offset + scan.scale * f64::from(position[axis]);
+            assert!((found[axis] - expected).abs() < 1e-6);
+        }
+        points += 1;
+    }
+    assert_eq!(points, 71_010);
+    let errors: Vec<&str> = read.report.files.iter().filter_map(|f| f.error.as_deref()).collect();
+    assert_eq!(errors.len(), 2, "{errors:?}");
+    assert!(errors.iter().any(|e| e.ends_with("nothing.las: no such file or folder")));
+    assert!(errors.iter().any(|e| e.contains("expected «LASF» in the first four bytes, found «no s»")));
+}
+
+#[test]
+fn inputs_that_give_nothing_fail_with_one_line() {
+    let dir = tempfile::tempdir().unwrap();
+    let text = dir.path().join("empty.las");
+    std::fs::write(&text, b"").unwrap();
+    let folder = dir.path().join("folder.las");
+    std::fs::create_dir(&folder).unwrap();
+    let fail = |inputs: &[PathBuf]| match read(inputs, 1) {
+        Err(error) => error,
+        Ok(_) => panic!("{inputs:?} was read"),
+    };
+    assert_eq!(fail(&[]), SourceError::NoInput);
+    assert!(matches!(fail(&["/no/such/file.las".into()]), SourceError::NotFound { .. }));
+    assert!(matches!(fail(std::slice::from_ref(&folder)), SourceError::EmptyFolder { .. }));
+    assert!(fail(std::slice::from_ref(&text)).to_string().contains("found an empty file"));
+    assert!(fail(&["/dev/null".into()]).to_string().contains("expected a regular file"));
+    let all = fail(&[text, folder]).to_string();
+    assert!(all.starts_with("none of 2 inputs could be opened; the first: "), "{all}");
+}
