@@ -204,7 +204,8 @@ impl GlobalEncoding {
             (self.synthetic_returns, "synthetic returns"),
             (self.crs_is_wkt, "CRS is WKT"),
         ];
-        words.iter().filter(|(set, _)| *set).map(|(_, word)| *word).collect::<Vec<_>>().join(", ")
+        let words: Vec<&str> = words.iter().filter(|(set, _)| *set).map(|(_, word)| *word).collect();
+        if words.is_empty() { self.bits.to_string() } else { format!("{} ({})", self.bits, words.join(", ")) }
     }
 }
 
@@ -261,7 +262,7 @@ impl Display for Info {
         line(f, "software", &self.generating_software)?;
         line(f, "created", format_args!("day {} of {}", self.created_day, self.created_year))?;
         line(f, "source id", self.file_source_id)?;
-        line(f, "encoding", format_args!("{} ({})", self.global_encoding.bits, self.global_encoding.words()))?;
+        line(f, "encoding", self.global_encoding.words())?;
         line(f, "guid", &self.guid)?;
         line(f, "header", format_args!("{} bytes, points from byte {}", self.header_bytes, self.point_data_at))?;
         line(
@@ -270,7 +271,8 @@ impl Display for Info {
             format_args!("format {}, {} bytes, {} of them extra bytes", p.format, p.record_bytes, p.extra_bytes),
         )?;
         line(f, "points", p.count)?;
-        let returns: Vec<String> = (1..).zip(&p.by_return).map(|(r, n)| format!("{r}: {n}")).collect();
+        let used = p.by_return.iter().rposition(|&n| n > 0).map_or(0, |last| last + 1);
+        let returns: Vec<String> = (1..).zip(&p.by_return[..used]).map(|(r, n)| format!("{r}: {n}")).collect();
         line(f, "by return", returns.join(", "))?;
         line(f, "scale", numbers(&self.scale))?;
         line(f, "offset", numbers(&self.offset))?;
@@ -318,7 +320,7 @@ impl Display for LazInfo {
 }
 
 fn line(f: &mut Formatter<'_>, name: &str, value: impl Display) -> fmt::Result {
-    writeln!(f, "  {name:<11}{value}")
+    writeln!(f, "{}", format!("  {name:<11}{value}").trim_end())
 }
 
 fn numbers(values: &[f64; 3]) -> String {

@@ -10,6 +10,7 @@
 //! render    reproject → fresh → fill → index → resolve      (GPU and CPU backends, one frame plan)
 //! headless  the picture as a PNG, a report as JSON
 //! view      the picture in a window
+//! measure   frame times while a scene grows
 //! cli       what the user typed → one of these
 //! ```
 //!
@@ -30,6 +31,8 @@ pub mod store;
 pub mod render;
 
 pub mod headless;
+
+pub mod measure;
 
 pub mod view;
 

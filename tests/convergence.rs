@@ -347,6 +347,9 @@ impl Backend for Small {
     fn pass_times(&mut self) -> Option<PassTimes> {
         self.cpu.pass_times()
     }
+    fn wait(&mut self) -> Result<(), RenderError> {
+        self.cpu.wait()
+    }
     fn read(&mut self) -> Result<Picture, RenderError> {
         self.cpu.read()
     }

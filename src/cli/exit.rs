@@ -1,6 +1,6 @@
 //! Exit codes and the errors behind them.
 
-use crate::{headless::HeadlessError, render::RenderError, synth::SynthError, view::ViewError};
+use crate::{headless::HeadlessError, measure::BenchError, render::RenderError, synth::SynthError, view::ViewError};
 
 /// The process's exit code. Listed for users in [`HELP`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -45,6 +45,8 @@ pub enum CliError {
     Synth(#[from] SynthError),
     #[error(transparent)]
     View(#[from] ViewError),
+    #[error(transparent)]
+    Bench(#[from] BenchError),
 }
 
 impl CliError {
@@ -61,6 +63,11 @@ impl CliError {
             CliError::Synth(SynthError::Io { .. } | SynthError::Compress { .. }) => ExitStatus::Output,
             CliError::Synth(_) => ExitStatus::Usage,
             CliError::NoDevice { .. } | CliError::View(_) => ExitStatus::Device,
+            CliError::Bench(error) => match error {
+                BenchError::Source(_) | BenchError::NoPoints => ExitStatus::Input,
+                BenchError::Camera(_) => ExitStatus::Usage,
+                BenchError::Render(_) => ExitStatus::Device,
+            },
         }
     }
 }

@@ -3,6 +3,7 @@
 //! Every message is one line on standard error and every way to fail has its [`ExitStatus`]; a panic
 //! is caught and becomes such a line too.
 
+mod bench_frames;
 mod exit;
 mod info;
 mod open;
@@ -48,6 +49,9 @@ enum Command {
     /// Print what files say of themselves: header, records, coordinate system, counts
     Info(info::InfoArgs),
     Synth(synth::SynthArgs),
+    /// Time frames while a scene grows: does the frame time stay flat?
+    #[command(after_help = exit::HELP)]
+    BenchFrames(bench_frames::BenchFramesArgs),
 }
 
 /// Runs the program. `started` is where reported seconds begin.
@@ -83,6 +87,7 @@ fn run(args: impl IntoIterator<Item = OsString>, started: Instant) -> Result<Exi
     match cli.command {
         Some(Command::Render(args)) => render::run(*args, started),
         Some(Command::Info(args)) => info::run(args),
+        Some(Command::BenchFrames(args)) => bench_frames::run(args, started),
         Some(Command::Synth(args)) => {
             synth::run(&args)?;
             Ok(ExitStatus::Ok)

@@ -100,8 +100,9 @@ impl From<RasterArg> for RasterChoice {
     }
 }
 
+/// [`BackendChoice`] on the command line.
 #[derive(Debug, Clone, Copy, Default, ValueEnum)]
-enum BackendArg {
+pub enum BackendArg {
     #[default]
     Auto,
     Gpu,
@@ -178,20 +179,25 @@ fn with_help(error: HeadlessError) -> CliError {
     }
 }
 
+/// What `--backend` and `--raster` say together.
+pub fn backend_choice(backend: BackendArg, raster: RasterArg) -> Result<BackendChoice, CliError> {
+    match (backend, raster) {
+        (BackendArg::Cpu, RasterArg::Auto) => Ok(BackendChoice::Cpu),
+        (BackendArg::Cpu, _) => {
+            Err(CliError::Usage("--raster chooses among the GPU's rasterizers; leave it out with --backend cpu".into()))
+        }
+        (BackendArg::Gpu, _) => Ok(BackendChoice::Gpu),
+        (BackendArg::Auto, _) => Ok(BackendChoice::Auto),
+    }
+}
+
 impl RenderArgs {
     fn validate(self, started: Instant) -> Result<Settings, CliError> {
         let usage = |message: &str| Err(CliError::Usage(message.into()));
         if self.brute_force && matches!(self.stop, Stop::Frames(_)) {
             return usage("--brute-force draws one frame of all points; --stop frames=N does not go with it");
         }
-        let backend = match (self.backend, self.raster) {
-            (BackendArg::Cpu, RasterArg::Auto) => BackendChoice::Cpu,
-            (BackendArg::Cpu, _) => {
-                return usage("--raster chooses among the GPU's rasterizers; leave it out with --backend cpu");
-            }
-            (BackendArg::Gpu, _) => BackendChoice::Gpu,
-            (BackendArg::Auto, _) => BackendChoice::Auto,
-        };
+        let backend = backend_choice(self.backend, self.raster)?;
         let camera = self.camera.as_deref().map(read_camera).transpose()?;
         Ok(Settings {
             outputs: self.outputs()?,

@@ -1,6 +1,11 @@
 //! Values as users type them.
 
-use crate::headless::Stop;
+use clap::ValueEnum;
+
+use crate::{
+    headless::Stop,
+    synth::{Scene, SynthOptions},
+};
 
 /// A number of points: `1500`, `1_500`, `1.5k`, `20M`, `1G`.
 pub fn parse_count(text: &str) -> Result<u64, String> {
@@ -31,6 +36,19 @@ pub fn parse_points(text: &str) -> Result<u32, String> {
         0 => Err("expected at least 1".into()),
         n => u32::try_from(n).map_err(|_| format!("expected at most {}, found `{text}`", u32::MAX)),
     }
+}
+
+/// A frame time in milliseconds, above zero.
+pub fn parse_millis(text: &str) -> Result<f64, String> {
+    let wrong = || format!("expected milliseconds above 0, such as 16, found `{text}`");
+    text.parse().ok().filter(|ms: &f64| ms.is_finite() && *ms > 0.0).ok_or_else(wrong)
+}
+
+/// `town` or `town:16M`: a synthetic scene and its number of points.
+pub fn parse_synth(text: &str) -> Result<SynthOptions, String> {
+    let (scene, points) = text.split_once(':').unwrap_or((text, "1M"));
+    let scene = Scene::from_str(scene, true).map_err(|_| format!("expected town:N or planes:N, found `{text}`"))?;
+    Ok(SynthOptions { points: parse_points(points)?.into(), ..SynthOptions::new(scene) })
 }
 
 /// Pictures may have no more pixels than this: their arrays alone would take gigabytes.

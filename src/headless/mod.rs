@@ -15,5 +15,5 @@ pub use framing::{box_to_fit, default_camera};
 pub use outputs::{Destination, OutputError, Outputs, picture_sha256, write_npy_f32, write_npy_i64, write_png};
 pub use progress::{ProgressStyle, grouped};
 pub use report::{FileEntry, OutputPaths, Report, Seconds};
-pub use run::{HeadlessError, render};
+pub use run::{HeadlessError, make_backend, render};
 pub use settings::{BackendChoice, CONVERGE_FILL, COUNTED_FILL, Settings, Stop};

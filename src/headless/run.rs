@@ -38,7 +38,7 @@ pub enum HeadlessError {
 pub fn render(settings: &Settings) -> Result<Report, HeadlessError> {
     // Reading starts first: a GPU takes a while to set up.
     let stream = source::open(&settings.inputs, OpenOptions { threads: settings.threads, wake: None });
-    let (backend, backend_name, notes) = make_backend(settings)?;
+    let (backend, backend_name, notes) = make_backend(settings.backend, settings.raster, settings.threads)?;
     let mut report = Report::new(settings, backend.info(), backend_name);
     report.notes = notes;
 
@@ -66,15 +66,23 @@ pub fn render(settings: &Settings) -> Result<Report, HeadlessError> {
 
 type AnyBackend = Box<dyn Backend>;
 
-fn make_backend(settings: &Settings) -> Result<(AnyBackend, &'static str, Vec<String>), RenderError> {
-    let cpu = || Box::new(CpuBackend::new(settings.threads));
-    if settings.backend == BackendChoice::Cpu {
+/// The backend asked for, its name, and notes for the user on how it was chosen.
+///
+/// # Errors
+/// If a GPU is asked for, by name or by one of its rasterizers, and none can do the work.
+pub fn make_backend(
+    backend: BackendChoice,
+    raster: RasterChoice,
+    threads: Option<usize>,
+) -> Result<(AnyBackend, &'static str, Vec<String>), RenderError> {
+    let cpu = || Box::new(CpuBackend::new(threads));
+    if backend == BackendChoice::Cpu {
         return Ok((cpu(), "cpu", Vec::new()));
     }
-    match GpuBackend::headless(settings.raster) {
+    match GpuBackend::headless(raster) {
         Ok(gpu) => Ok((Box::new(gpu), "gpu", Vec::new())),
         // Whoever names one of the GPU's rasterizers wants that one.
-        Err(error) if settings.backend == BackendChoice::Auto && settings.raster == RasterChoice::Auto => {
+        Err(error) if backend == BackendChoice::Auto && raster == RasterChoice::Auto => {
             Ok((cpu(), "cpu", vec![format!("{error}; drawn on the processor")]))
         }
         Err(error) => Err(error),

@@ -126,6 +126,12 @@ impl Camera {
     }
 }
 
+/// `x.floor() as i32` for numbers of moderate size; without SSE4.1 that is a call of a library.
+fn floor(x: f32) -> i32 {
+    let toward_zero = x as i32;
+    toward_zero - i32::from(toward_zero as f32 > x)
+}
+
 /// `up` unless it is (nearly) the viewing direction; then another axis.
 fn up_for(forward: DVec3, up: DVec3) -> DVec3 {
     [up.normalize_or_zero(), DVec3::Y, DVec3::X]
@@ -193,6 +199,6 @@ impl View {
         if !(x >= edge && x < self.width as f32 && y >= edge && y < self.height as f32) {
             return None;
         }
-        Some(Projected { corner: [x.floor() as i32, y.floor() as i32], depth })
+        Some(Projected { corner: [floor(x), floor(y)], depth })
     }
 }

@@ -11,7 +11,7 @@ use super::{
 /// What was read, complete or not.
 #[derive(Debug, Clone, Default, serde::Serialize)]
 pub struct SourceReport {
-    /// The files of [`SceneFacts::files`], in that order, then the inputs that could not be opened.
+    /// The files of [`SceneFacts::files`](crate::scene::SceneFacts::files), in that order, then the inputs that could not be opened.
     pub files: Vec<FileReport>,
 }
 

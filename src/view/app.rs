@@ -101,6 +101,10 @@ impl App {
 
     /// Takes over the incoming scene once its headers are read.
     fn take_incoming(&mut self) {
+        // The first camera is chosen for the window's shape.
+        if self.size.contains(&0) {
+            return;
+        }
         let Some((loading, inputs)) = &mut self.incoming else { return };
         match loading.take_first() {
             First::Nothing => {}
@@ -256,9 +260,11 @@ impl App {
 impl eframe::App for App {
     /// Loading goes on while the window is hidden, when [`App::ui`] is not called.
     fn logic(&mut self, ctx: &Context, _: &mut eframe::Frame) {
-        self.take_incoming();
-        if ctx.input(|i| i.viewport().visible()) == Some(false) && self.advance() {
-            ctx.request_repaint();
+        if ctx.input(|i| i.viewport().visible()) == Some(false) {
+            self.take_incoming();
+            if self.advance() {
+                ctx.request_repaint();
+            }
         }
     }
 
@@ -272,6 +278,7 @@ impl eframe::App for App {
         if !dropped.is_empty() {
             self.open(dropped);
         }
+        self.take_incoming();
 
         let picture = ui.interact(rect, Id::unique("picture"), Sense::drag());
         let mut asked = self.show_overlay(ui);
@@ -291,7 +298,9 @@ impl eframe::App for App {
             self.show_view(ask);
         }
 
-        let again = self.advance() || flying;
+        // Nobody will see the frame after the last.
+        let closing = ctx.input(|i| i.viewport().close_requested());
+        let again = !closing && (self.advance() || flying);
         self.paint(ui);
         self.feel(&ctx, &picture);
 
@@ -301,6 +310,12 @@ impl eframe::App for App {
             ctx.request_repaint_after(STATUS_INTERVAL);
         }
         self.pace.end(again);
+    }
+
+    fn on_exit(&mut self) {
+        // The decoders end while the GPU finishes what it was given.
+        self.incoming = None;
+        self.loading = None;
     }
 
     fn clear_color(&self, _: &egui::Visuals) -> [f32; 4] {

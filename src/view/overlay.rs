@@ -207,6 +207,7 @@ pub fn help(ctx: &egui::Context, settings: &mut Settings) {
     ];
     let frame = Frame::new().fill(PANEL).inner_margin(14).corner_radius(6);
     let area = Area::new(Id::unique("help")).order(Order::Foreground).anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0));
+    let area = area.sense(Sense::click());
     let shown = area.show(ctx, |ui| {
         frame.show(ui, |ui| {
             egui::Grid::new("keys").num_columns(2).spacing(vec2(24.0, 5.0)).show(ui, |ui| {
@@ -218,7 +219,7 @@ pub fn help(ctx: &egui::Context, settings: &mut Settings) {
             });
         });
     });
-    if shown.response.interact(Sense::click()).clicked() {
+    if shown.response.clicked() {
         settings.help = false;
     }
 }
