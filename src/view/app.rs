@@ -216,6 +216,9 @@ impl App {
 
     fn show_overlay(&mut self, ui: &Ui) -> Option<Ask> {
         let mut asked = None;
+        if !overlay::fits(ui.ctx()) {
+            return None;
+        }
         if self.settings.overlay
             && let Some(status) = self.status()
         {
@@ -281,10 +284,10 @@ impl eframe::App for App {
         self.take_incoming();
 
         let picture = ui.interact(rect, Id::unique("picture"), Sense::drag());
-        let mut asked = self.show_overlay(ui);
+        let mut asked = None;
         let mut flying = false;
         if !ctx.egui_wants_keyboard_input() {
-            asked = input::keys(&ctx, &mut self.settings).or(asked);
+            asked = input::keys(&ctx, &mut self.settings);
         }
         if let Some(touched) = self.probe.answer() {
             self.hand.touched = touched;
@@ -300,9 +303,17 @@ impl eframe::App for App {
 
         // Nobody will see the frame after the last.
         let closing = ctx.input(|i| i.viewport().close_requested());
-        let again = !closing && (self.advance() || flying);
+        let mut again = !closing && (self.advance() || flying);
         self.paint(ui);
         self.feel(&ctx, &picture);
+
+        // Last, so that the numbers are those of the picture; what it changes is for the next frame.
+        let before = self.settings;
+        if let Some(ask) = self.show_overlay(ui) {
+            self.show_view(ask);
+            again = true;
+        }
+        again |= self.settings != before;
 
         if again {
             ctx.request_repaint();

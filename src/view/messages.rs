@@ -2,12 +2,20 @@
 
 use std::collections::VecDeque;
 
-use eframe::egui::{self, Align2, Area, Color32, FontId, Frame, Id, Label, Margin, Order, RichText, vec2};
+use eframe::egui::{
+    self, Area, Color32, FontId, Frame, Id, Margin, Order, TextFormat,
+    text::{LayoutJob, TextWrapping},
+    vec2,
+};
 
 use crate::source::SourceReport;
 
 /// So many are shown at a time.
 const SHOWN: usize = 4;
+/// Lines of one message; the rest appears under the mouse.
+const ROWS: usize = 3;
+/// Of a message with that many lines.
+const HEIGHT: f32 = 64.0;
 /// Older ones are forgotten: a folder of broken files must not fill memory.
 const KEPT: usize = 200;
 
@@ -62,24 +70,26 @@ impl Messages {
         if self.entries.is_empty() {
             return;
         }
-        let width = (ctx.content_rect().width() - 60.0).clamp(40.0, 640.0);
-        let mut dismissed = None;
-        let area =
-            Area::new(Id::unique("messages")).order(Order::Foreground).anchor(Align2::LEFT_TOP, vec2(10.0, 10.0));
+        let screen = ctx.content_rect();
+        let width = (screen.width() - 80.0).clamp(60.0, 640.0);
+        // At most half of the window, if all of them are long.
+        let shown = ((screen.height() * 0.5 / HEIGHT) as usize).clamp(1, SHOWN);
+        let corner = screen.min + vec2(10.0, 10.0);
+        let area = Area::new(Id::unique("messages")).order(Order::Foreground).fixed_pos(corner).constrain(false);
         area.show(ctx, |ui| {
-            ui.set_max_width(width + 40.0);
-            for (at, (severity, text)) in self.entries.iter().take(SHOWN).enumerate() {
+            let mut dismissed = None;
+            for (at, (severity, text)) in self.entries.iter().take(shown).enumerate() {
                 if message(ui, *severity, text, width) {
                     dismissed = Some(at);
                 }
             }
-            if self.entries.len() > SHOWN {
-                message(ui, Severity::Note, &format!("and {} more", self.entries.len() - SHOWN), width);
+            let more = self.entries.len().saturating_sub(shown);
+            if more > 0 && message(ui, Severity::Note, &format!("and {more} more; put all of them away"), width) {
+                self.entries.clear();
+            } else if let Some(at) = dismissed {
+                self.entries.remove(at);
             }
         });
-        if let Some(at) = dismissed {
-            self.entries.remove(at);
-        }
     }
 }
 
@@ -90,20 +100,20 @@ fn message(ui: &mut egui::Ui, severity: Severity, text: &str, width: f32) -> boo
         Severity::Note => (Color32::from_rgb(58, 48, 18), Color32::from_rgb(255, 213, 105)),
     };
     let frame = Frame::new().fill(fill).stroke((1.0, mark)).corner_radius(4).inner_margin(Margin::symmetric(8, 5));
-    frame
-        .show(ui, |ui| {
-            ui.horizontal_top(|ui| {
-                let dismissed = ui.small_button("×").on_hover_text("Put away").clicked();
-                let text = RichText::new(text).font(FontId::proportional(13.0)).color(Color32::WHITE);
-                ui.scope(|ui| {
-                    ui.set_max_width(width);
-                    ui.add(Label::new(text).wrap());
-                });
-                dismissed
-            })
-            .inner
-        })
-        .inner
+    let contents = |ui: &mut egui::Ui| {
+        let dismissed = ui.small_button("×").on_hover_text("Put away").clicked();
+        let format = TextFormat::simple(FontId::proportional(13.0), Color32::WHITE);
+        let mut job = LayoutJob::single_section(text.to_owned(), format);
+        job.wrap = TextWrapping { max_width: width, max_rows: ROWS, ..Default::default() };
+        let galley = ui.painter().layout_job(job);
+        let elided = galley.elided;
+        let label = ui.label(galley);
+        if elided {
+            label.on_hover_text(text);
+        }
+        dismissed
+    };
+    frame.show(ui, |ui| ui.horizontal_top(contents).inner).inner
 }
 
 /// Readers name the file themselves where they can.

@@ -17,8 +17,8 @@ const PANEL: Color32 = Color32::from_rgba_premultiplied(13, 15, 19, 218);
 const LINE_HEIGHT: f32 = 20.0;
 /// Two lines, the space between them and around them.
 const BAR_HEIGHT: f32 = 2.0 * LINE_HEIGHT + 3.0 + 10.0;
-/// Narrower windows show the lines without the controls.
-const CONTROLS_FROM_WIDTH: f32 = 640.0;
+/// Narrower windows show the lines without the controls, and the numbers before the device.
+const CONTROLS_FROM_WIDTH: f32 = 900.0;
 
 /// What the lines say.
 #[derive(Debug, Clone, Default)]
@@ -46,7 +46,7 @@ pub struct Status {
 }
 
 /// What the user sets.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Settings {
     pub point_size: u32,
     pub edl: bool,
@@ -61,6 +61,12 @@ pub enum Ask {
     Top,
     Front,
     Side,
+}
+
+/// Whether the window has room for any words.
+pub fn fits(ctx: &egui::Context) -> bool {
+    let size = ctx.content_rect().size();
+    size.x >= 160.0 && size.y >= 120.0
 }
 
 /// Two lines at the lower edge.

@@ -87,6 +87,12 @@ fn a_scan_appears_while_it_loads_and_the_mouse_moves_the_camera() {
     viewer.key("h");
     viewer.wait_for("the first picture again", PATIENCE, |v| (v.shot().difference(&complete) == 0).then_some(()));
 
+    // Too small for any words, or for anything at all; then back.
+    for size in ["60 30", "1 1", "1280 800"] {
+        viewer.xdotool(&format!("search --onlyvisible --name firstlight windowsize --sync {size}"));
+    }
+    viewer.wait_for("the picture in its old size", PATIENCE, |v| (v.shot().difference(&complete) == 0).then_some(()));
+
     assert!(viewer.close(PATIENCE).success());
 }
 
