@@ -28,6 +28,11 @@ fn level(above: u32, range: u32) -> u32 {
     return u32(min(f32(above) / f32(range), 1.0) * 255.0 + 0.5);
 }
 
+fn grey(above: u32, range: u32) -> u32 {
+    let share = select(min(f32(above) / f32(range), 1.0), 0.0, range == 0u);
+    return u32(sqrt(share) * 223.0 + 32.5);
+}
+
 // The file of a record: the last one that begins at or before it.
 fn file_of(record: u32) -> FileColor {
     var low = 0u;
@@ -55,7 +60,7 @@ fn point_color(file: FileColor, attributes: vec2<u32>, z: i32) -> u32 {
         }
         case 2u: {
             let intensity = attributes.y >> 16u;
-            return level(intensity - min(intensity, file.low), file.high - file.low) * 0x10101u;
+            return grey(intensity - min(intensity, file.low), file.high - file.low) * 0x10101u;
         }
         default: {
             let above = bitcast<u32>(max(z, bitcast<i32>(file.low))) - file.low;

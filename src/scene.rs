@@ -190,7 +190,7 @@ pub enum ColorRule {
     Rgb16,
     /// 8-bit values in the 16-bit fields.
     Rgb8,
-    /// Grey, `low` black, `high` white.
+    /// Grey, `low` darkest, `high` white.
     Intensity { low: u16, high: u16 },
     /// A colour ramp over the grid's third coordinate.
     Elevation { low: i32, high: i32 },

@@ -36,8 +36,8 @@ pub struct RenderArgs {
     /// Where to draw; auto takes a GPU if there is one
     #[arg(long, value_enum, default_value_t)]
     backend: BackendArg,
-    /// Random points that each frame tries (1M, 250k, …); by default as many as a frame's time allows,
-    /// or 1M with --stop frames=N and points=N
+    /// Random points that each frame tries (1M, 250k, …); by default 4M, or 1M with --stop frames=N and
+    /// points=N
     #[arg(long, value_name = "N", value_parser = values::parse_points)]
     fill: Option<u32>,
     /// Width of a point, pixels, 1 to 8
@@ -46,8 +46,8 @@ pub struct RenderArgs {
     /// Fixes the order of the points in the store, and with it every frame
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// When to stop: converged, frames=N, or points=N (the first N points, all of them drawn). The
-    /// latter two repeat bit for bit
+    /// When to stop: converged (all points loaded and drawn), frames=N, or points=N (the first N points,
+    /// all of them drawn)
     #[arg(long, value_name = "WHEN", default_value = "converged", value_parser = values::parse_stop)]
     stop: Stop,
     /// Load everything and draw all points at once, not progressively: the picture to compare with

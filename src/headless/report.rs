@@ -43,7 +43,7 @@ pub struct Report {
     pub seed: u64,
     /// Points per insertion.
     pub insertion_points: u32,
-    /// Points that each frame's fill tried; null if it followed the frame time.
+    /// Points that each frame's fill tried; null for brute force.
     pub fill_points: Option<u32>,
     /// As `--camera` takes it, in the file's own coordinates.
     pub camera: Option<Camera>,
@@ -94,9 +94,9 @@ pub struct FileEntry {
 pub struct Seconds {
     /// The first points are in the store (on the GPU: their insertion is submitted).
     pub to_first_point: Option<f64>,
-    /// The first frame with points is finished on the device and was read back, once.
+    /// The first frame with points is finished on the device.
     pub to_first_picture: Option<f64>,
-    /// All points are in the store (on the GPU: their insertion is submitted).
+    /// All points are in the store, and the frame that inserted the last of them is finished.
     pub to_all_loaded: Option<f64>,
     /// The converged picture is finished on the device and was read back.
     pub to_converged: Option<f64>,
@@ -206,10 +206,6 @@ impl Report {
     /// What the settings alone say.
     pub(super) fn new(settings: &Settings, info: &BackendInfo, backend: &'static str) -> Report {
         let path = |d: &Option<super::Destination>| d.as_ref().map(|d| d.path().to_path_buf());
-        let fill_points = match settings.fill_budget() {
-            crate::render::FillBudget::Fixed(points) => Some(points),
-            crate::render::FillBudget::Target(_) => None,
-        };
         Report {
             program: concat!("firstlight ", env!("CARGO_PKG_VERSION")),
             files: Vec::new(),
@@ -230,7 +226,7 @@ impl Report {
             driver: info.driver.clone(),
             seed: settings.seed,
             insertion_points: settings.insertion_points,
-            fill_points: fill_points.filter(|_| !settings.brute_force),
+            fill_points: (!settings.brute_force).then(|| settings.fill_points()),
             camera: settings.camera,
             camera_given: settings.camera.is_some(),
             size_px: settings.size,

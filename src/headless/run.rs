@@ -112,9 +112,8 @@ impl Run<'_> {
 
     /// Takes the stream, so that its threads stop as soon as the last frame is drawn.
     fn draw_to_the_end(&mut self, stream: Stream) -> Result<FrameReport, HeadlessError> {
-        let mut idle = true;
         loop {
-            self.take_events(&stream, idle)?;
+            self.take_events(&stream)?;
             let Some(request) = self.request else { continue };
             let frame = match self.progressive.frame(&request) {
                 Err(error @ RenderError::OutOfMemory { .. }) if !self.out_of_memory => {
@@ -126,27 +125,21 @@ impl Run<'_> {
             };
             self.progressive.spent().for_each(|batch| stream.recycle(batch));
             self.note_frame(&frame)?;
-            idle = !frame.drawn;
             if self.is_done(&frame) {
                 return if self.settings.brute_force { self.draw_brute_force(&request) } else { Ok(frame) };
             }
         }
     }
 
-    /// Hands what arrived to the store, as much as the next frame can take. Waits where the next frame
-    /// would have nothing to do, and for every batch where each run is to see the same frames.
-    fn take_events(&mut self, stream: &Stream, idle: bool) -> Result<(), HeadlessError> {
+    /// Waits for as many points as the next frame can take, so that every run draws the same frames,
+    /// whatever the threads' timing, and the fewest. Only the first frame takes the first points
+    /// that there are: how soon something shows is one of the numbers to report.
+    fn take_events(&mut self, stream: &Stream) -> Result<(), HeadlessError> {
         while self.source.is_none() && self.progressive.wants_points() {
-            let nothing_to_do = idle && self.progressive.waiting() < u64::from(self.settings.insertion_points);
-            let event = if self.settings.stop.is_repeatable() || nothing_to_do || self.request.is_none() {
-                stream.events().recv().map_err(|_| HeadlessError::ReaderEnded)?
-            } else {
-                match stream.events().try_recv() {
-                    Ok(event) => event,
-                    Err(crossbeam_channel::TryRecvError::Empty) => break,
-                    Err(crossbeam_channel::TryRecvError::Disconnected) => return Err(HeadlessError::ReaderEnded),
-                }
-            };
+            if self.report.frames == 0 && self.progressive.waiting() >= u64::from(self.settings.insertion_points) {
+                break;
+            }
+            let event = stream.events().recv().map_err(|_| HeadlessError::ReaderEnded)?;
             self.take(event)?;
         }
         Ok(())
@@ -196,14 +189,14 @@ impl Run<'_> {
             let now = self.now();
             self.seconds.to_first_point.get_or_insert(now);
             if self.seconds.to_first_picture.is_none() && frame.drawn {
-                // The only wait for the device before the end.
-                self.progressive.read()?;
+                self.progressive.backend_mut().wait()?;
                 self.seconds.to_first_picture = Some(self.now());
             }
         }
-        if self.progressive.is_loaded() {
-            let now = self.now();
-            self.seconds.to_all_loaded.get_or_insert(now);
+        if self.progressive.is_loaded() && self.seconds.to_all_loaded.is_none() {
+            // With the one above the only waits for the device before the end.
+            self.progressive.backend_mut().wait()?;
+            self.seconds.to_all_loaded = Some(self.now());
         }
         let expected = self.facts.as_ref().map_or(0, |facts| facts.points_in_header());
         self.progress.update(frame.points_stored, frame.points_tried, expected);

@@ -5,12 +5,14 @@ use std::{path::PathBuf, time::Instant};
 use super::{outputs::Outputs, progress::ProgressStyle};
 use crate::render::{Camera, FillBudget, RasterChoice, Shading, StoreOptions};
 
-/// Device time that a frame aims at when the fill follows it, seconds. Nobody watches, so that frames
-/// may be longer than a window's: fewer of them, and less spent on what each frame costs anyway.
-pub const FRAME_SECS: f64 = 0.05;
+/// Points that a frame's fill tries on the way to the converged picture. Nobody watches, so frames may
+/// be long, and the fewer, the less is spent on what each costs anyway: a budget that follows a frame
+/// time of 50 ms took 98 s for 8 M points on two busy cores, this one takes 2 s on idle ones. Not more
+/// either: a point list of 8 M made lavapipe take 1.9 GB, and drivers stop a GPU that works for seconds.
+pub const CONVERGE_FILL: u32 = 4_000_000;
 
-/// Points that a frame's fill tries where the run is to be repeatable and `--fill` says nothing.
-pub const REPEATABLE_FILL: u32 = 1_000_000;
+/// Points that a frame's fill tries where frames are counted, or points.
+pub const COUNTED_FILL: u32 = 1_000_000;
 
 /// Where to draw.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -32,13 +34,6 @@ pub enum Stop {
     Frames(u64),
     /// When the first so many points (of the files in order) are stored and tried.
     Points(u64),
-}
-
-impl Stop {
-    /// True if every frame is to take in the same points on every run, whatever the threads' timing.
-    pub fn is_repeatable(self) -> bool {
-        self != Stop::Converged
-    }
 }
 
 impl std::fmt::Display for Stop {
@@ -63,8 +58,7 @@ pub struct Settings {
     pub camera: Option<Camera>,
     pub backend: BackendChoice,
     pub raster: RasterChoice,
-    /// Points that each frame's fill tries; by default [`REPEATABLE_FILL`] where `stop` asks for a
-    /// repeatable run, else as many as fit into [`FRAME_SECS`].
+    /// Points that each frame's fill tries; by default [`CONVERGE_FILL`] or [`COUNTED_FILL`].
     pub fill: Option<u32>,
     /// Width of a point, pixels.
     pub point_size: u32,
@@ -92,14 +86,16 @@ impl Settings {
         options
     }
 
+    pub(super) fn fill_points(&self) -> u32 {
+        self.fill.unwrap_or(match self.stop {
+            Stop::Converged => CONVERGE_FILL,
+            Stop::Frames(_) | Stop::Points(_) => COUNTED_FILL,
+        })
+    }
+
     pub(super) fn fill_budget(&self) -> FillBudget {
-        match self.fill {
-            // Loading for brute force needs frames, since a backend takes only so many insertions
-            // between two, but nothing of what they show is used.
-            _ if self.brute_force => FillBudget::Fixed(0),
-            Some(points) => FillBudget::Fixed(points),
-            None if self.stop.is_repeatable() => FillBudget::Fixed(REPEATABLE_FILL),
-            None => FillBudget::Target(FRAME_SECS),
-        }
+        // Loading for brute force needs frames, since a backend takes only so many insertions between
+        // two, but nothing of what they show is used.
+        FillBudget::Fixed(if self.brute_force { 0 } else { self.fill_points() })
     }
 }

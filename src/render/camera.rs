@@ -36,7 +36,7 @@ pub enum CameraError {
     NoDirection,
     #[error("camera: fov_y_deg must be above 0 and below 180, found {0}")]
     FieldOfView(f64),
-    #[error("camera: the eye is {0:.0e} grid steps from the scene's origin; at most 1e13 are supported")]
+    #[error("camera: the eye is {0:.0e} grid steps from the scene's origin; at most 7e13 are supported")]
     TooFar(f64),
 }
 
@@ -44,6 +44,9 @@ pub enum CameraError {
 /// seen by a camera shifted alike, then gives the same numbers to the last bit although its f64
 /// coordinates round differently (at 5,000 km in millimetres an f64 resolves 10⁻⁶ steps).
 const EYE_SUBSTEPS: f64 = 4096.0;
+
+/// Room around a scene that is fitted into the picture.
+const FIT_MARGIN: f64 = 1.03;
 
 impl Camera {
     /// Looks at the whole box from the south and above, so that all of it is in the picture. The eye
@@ -55,29 +58,39 @@ impl Camera {
     /// As [`Camera::fit`], from the direction `from` (from the target towards the eye).
     pub fn fit_from(bounds: &Bounds, grid: &Grid, aspect: f64, from: DVec3) -> Camera {
         let fov_y_deg = fov_y_deg();
-        let on_grid = |p: [f64; 3]| {
-            let steps = grid.steps(p);
-            std::array::from_fn(|a| grid.origin[a] + grid.scale[a] * steps[a].round())
-        };
-        let target = on_grid(bounds.center());
         let forward = -from.normalize();
         let up = up_for(forward, DVec3::Z);
         let right = forward.cross(up).normalize();
         let true_up = right.cross(forward);
-        let tan_y = (0.5 * fov_y_deg.to_radians()).tan();
-        let mut distance: f64 = 0.0;
-        for corner in 0..8 {
-            let at = DVec3::from_array(std::array::from_fn(|a| {
-                (if corner >> a & 1 == 0 { bounds.min[a] } else { bounds.max[a] }) - target[a]
-            }));
-            let along = forward.dot(at);
-            distance = distance.max(right.dot(at).abs() / (tan_y * aspect) - along);
-            distance = distance.max(true_up.dot(at).abs() / tan_y - along);
-        }
+        let center = DVec3::from_array(bounds.center());
+        let corners = (0..8).map(|corner| {
+            let side = |a: usize| if corner >> a & 1 == 0 { bounds.min[a] } else { bounds.max[a] };
+            DVec3::new(side(0), side(1), side(2)) - center
+        });
+        // In the camera's axes, with the eye at (x, y, z): a corner at (u, v, w) is in the picture if
+        // |u - x| <= (w - z) tan, and alike for v. So x - z tan >= low and x + z tan <= high, with the
+        // extremes of all corners; the nearest eye is where the tighter axis has both equal, and the
+        // other axis has its margins alike.
+        let tan_y = (0.5 * fov_y_deg.to_radians()).tan() / FIT_MARGIN;
+        let fit_axis = |axis: DVec3, tan: f64| {
+            corners.clone().fold((f64::NEG_INFINITY, f64::INFINITY), |(low, high), corner| {
+                let (u, w) = (axis.dot(corner), forward.dot(corner) * tan);
+                (low.max(u - w), high.min(u + w))
+            })
+        };
+        let (tan_x, (left, right_end), (bottom, top)) =
+            (tan_y * aspect, fit_axis(right, tan_y * aspect), fit_axis(true_up, tan_y));
+        let nearest = ((right_end - left) / (2.0 * tan_x)).min((top - bottom) / (2.0 * tan_y));
         // A scene of a single point still needs a direction to look along.
         let smallest_step = grid.scale.iter().copied().fold(f64::INFINITY, f64::min);
-        let distance = (1.02 * distance).max(100.0 * smallest_step);
-        let eye = on_grid((DVec3::from_array(target) - distance * forward).to_array());
+        let along = nearest.min(-100.0 * smallest_step);
+        let aside = right * (0.5 * (left + right_end)) + true_up * (0.5 * (bottom + top));
+        let on_grid = |p: DVec3| {
+            let steps = grid.steps(p.to_array());
+            std::array::from_fn(|a| grid.origin[a] + grid.scale[a] * steps[a].round())
+        };
+        let eye = on_grid(center + aside + along * forward);
+        let target = on_grid(center + aside);
         Camera { eye, target, up: up.to_array().map(round_unit), fov_y_deg }
     }
 
@@ -94,7 +107,8 @@ impl Camera {
         let snap = |p: [f64; 3]| grid.steps(p).map(|s| (s * EYE_SUBSTEPS).round() / EYE_SUBSTEPS);
         let (eye, target) = (snap(self.eye), snap(self.target));
         let farthest = eye.iter().fold(0.0_f64, |m, s| m.max(s.abs()));
-        if farthest > 1e13 {
+        // Above 2^46 the upper part of a difference would not fit 32 bits.
+        if farthest > 7e13 {
             return Err(CameraError::TooFar(farthest));
         }
         let scale = DVec3::from_array(grid.scale);
@@ -124,6 +138,12 @@ impl Camera {
             point_size,
         })
     }
+}
+
+/// `x.floor() as i32` for numbers of moderate size; without SSE4.1 that is a call of a library.
+fn floor(x: f32) -> i32 {
+    let toward_zero = x as i32;
+    toward_zero - i32::from(toward_zero as f32 > x)
 }
 
 /// `up` unless it is (nearly) the viewing direction; then another axis.
@@ -193,6 +213,6 @@ impl View {
         if !(x >= edge && x < self.width as f32 && y >= edge && y < self.height as f32) {
             return None;
         }
-        Some(Projected { corner: [x.floor() as i32, y.floor() as i32], depth })
+        Some(Projected { corner: [floor(x), floor(y)], depth })
     }
 }

@@ -33,7 +33,7 @@ impl FileColor {
         match self.kind {
             0 => [r, g, b].map(|c| (c >> 8) as u8),
             1 => [r, g, b].map(|c| (c & 255) as u8),
-            2 => [level(u32::from(intensity).saturating_sub(self.low), self.high - self.low); 3],
+            2 => [grey(u32::from(intensity).saturating_sub(self.low), self.high - self.low); 3],
             _ => {
                 let (low, high) = (self.low.cast_signed(), self.high.cast_signed());
                 let above = z.max(low).wrapping_sub(low).cast_unsigned();
@@ -42,6 +42,13 @@ impl FileColor {
             }
         }
     }
+}
+
+/// `above / range` as a grey. The root makes equal steps of reflectance look equal on a display, and
+/// the darkest points are still lighter than the background.
+fn grey(above: u32, range: u32) -> u8 {
+    let share = if range == 0 { 0.0 } else { (above as f32 / range as f32).min(1.0) };
+    (share.sqrt() * 223.0 + 32.5) as u8
 }
 
 /// `above / range` as 0 to 255; 0 for an empty range.
@@ -86,8 +93,8 @@ mod tests {
         assert_eq!(color(ColorRule::Rgb16, [0x1234, 0xff00, 0, 9], 0), [0x12, 0xff, 0]);
         assert_eq!(color(ColorRule::Rgb8, [0x34, 0xff, 0, 9], 0), [0x34, 0xff, 0]);
         let grey = ColorRule::Intensity { low: 100, high: 300 };
-        assert_eq!(color(grey, [0, 0, 0, 50], 0), [0; 3]);
-        assert_eq!(color(grey, [0, 0, 0, 200], 0), [128; 3]);
+        assert_eq!(color(grey, [0, 0, 0, 50], 0), [32; 3]);
+        assert_eq!(color(grey, [0, 0, 0, 150], 0), [144; 3], "a quarter of the range, half the way");
         assert_eq!(color(grey, [0, 0, 0, 9999], 0), [255; 3]);
         let height = ColorRule::Elevation { low: i32::MIN, high: i32::MAX };
         assert_eq!(color(height, [0; 4], i32::MIN), [68, 1, 84]);

@@ -48,7 +48,7 @@ fn every_mistake_has_its_line_and_its_code() {
         ("a.las -o x.png --camera wide.json", 2, &["fov_y_deg", "180"]),
         ("missing.las -o x.png", 3, &["missing.las", "no such file"]),
         ("noise.laz -o x.png", 3, &["noise.laz", "LASF", "this"]),
-        ("empty.las -o x.png", 3, &["empty.las", "227"]),
+        ("empty.las -o x.png", 3, &["empty.las", "empty file"]),
         ("folder -o x.png", 3, &["folder", "no .las or .laz"]),
         ("a.las -o none/x.png", 5, &["none/x.png", "no folder none"]),
         ("a.las -o x.png --ids folder", 5, &["folder", "file name"]),

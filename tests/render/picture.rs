@@ -71,11 +71,15 @@ fn progressive_is_brute_force_on_samples() {
 fn progressive_is_brute_force_on_real_scans() {
     let Some(data) = data() else { return };
     let bench = Bench::new();
-    for name in
-        ["pdal-autzen_trim_7.las", "laserchicken-AHN3.laz", "potree-lion_takanawa.copc.laz", "pdal-lone-star.copc.laz"]
-    {
+    let ways = ways_to_draw();
+    for (name, ways) in [
+        ("pdal-autzen_trim_7.las", &ways[..]),
+        ("laserchicken-AHN3.laz", &ways[..]),
+        ("potree-lion_takanawa.copc.laz", &ways[..1]),
+        ("pdal-lone-star.copc.laz", &ways[..1]),
+    ] {
         let scan = data.join("scans").join(name);
-        for way in ways_to_draw() {
+        for way in ways {
             assert_exact(&bench, scan.to_str().unwrap(), way, "--size 640x480");
         }
     }
@@ -105,8 +109,10 @@ fn a_run_can_be_repeated() {
             assert!(first.png == again.png, "{way}, {threads} threads: other colours");
             assert!(first.ids == again.ids && first.depth == again.depth, "{way}, {threads} threads: other points");
         }
+        // Each point is drawn as it arrives, so that another order in the store shows the same ones; only
+        // among points of equal depth may another be shown.
         let other = bench.render(&format!("{args} --seed 2"));
-        assert_ne!(first.differing_ids(&other), 0, "another seed draws other points first");
+        assert!(first.depth == other.depth, "{way}: the seed changes what is drawn");
     }
 }
 

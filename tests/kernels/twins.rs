@@ -1,64 +1,21 @@
 //! The GPU backend against the CPU twins: every rasterizer, page sizes that straddle insertions,
 //! point sizes, cameras.
 
-use std::{path::PathBuf, sync::Arc};
+use std::sync::Arc;
 
 use firstlight::{
     render::{
-        Backend, Camera, CpuBackend, FileColor, FillBudget, FramePlan, FrameRequest, GpuBackend, Picture, Progressive,
+        Backend, Camera, CpuBackend, FileColor, FillBudget, FramePlan, FrameRequest, Picture, Progressive,
         RasterChoice, Shading, StoreOptions,
     },
-    scene::{Bounds, ColorRule, ColorStats, FileFacts, Grid, PointBatch, SceneFacts},
+    scene::ColorRule,
     store::Insertion,
 };
 
-const RASTERS: [RasterChoice; 3] = [RasterChoice::Compute, RasterChoice::Compute32, RasterChoice::Hardware];
-
-fn gpu(raster: RasterChoice) -> Option<GpuBackend> {
-    match GpuBackend::headless(raster) {
-        Ok(backend) => Some(backend),
-        Err(error) => {
-            assert!(std::env::var_os("FIRSTLIGHT_REQUIRE_GPU").is_none(), "a GPU is required: {error}");
-            eprintln!("SKIPPED: {error}");
-            None
-        }
-    }
-}
-
-const SIDE: i32 = 40_000;
-
-fn facts(points: u64) -> Arc<SceneFacts> {
-    let bounds = Bounds { min: [0.0; 3], max: [f64::from(SIDE) * 0.001; 3] };
-    Arc::new(SceneFacts {
-        grid: Grid { scale: [0.001; 3], origin: [0.0; 3] },
-        bounds,
-        files: vec![FileFacts {
-            path: PathBuf::from("test"),
-            first_record: 0,
-            points_in_header: points,
-            bounds,
-            kind: String::new(),
-        }],
-    })
-}
-
-/// A bumpy surface with duplicates.
-fn cloud(points: u32) -> PointBatch {
-    let hash =
-        |i: u32, k: u32| (i.wrapping_mul(0x9E37_79B1) ^ k.wrapping_mul(0x85EB_CA6B)).wrapping_mul(0xC2B2_AE35) >> 8;
-    let mut batch = PointBatch::default();
-    for record in 0..points {
-        let i = record - record % 3 / 2; // every third point is the one before it, again
-        let x = (hash(i, 1) % SIDE as u32) as i32;
-        let y = (hash(i, 2) % SIDE as u32) as i32;
-        let z = ((x / 1000 * y / 1000) % 17) * 700 + (hash(i, 3) % 50) as i32;
-        batch.positions.push([x, y, z]);
-        batch.colors.push([hash(record, 4) as u16, hash(record, 5) as u16, hash(record, 6) as u16, 7]);
-        batch.records.push(record);
-    }
-    batch.stats = ColorStats { rgb_max: 65535, ..Default::default() };
-    batch
-}
+use crate::{
+    backends::{RASTERS, gpu},
+    cloud::Cloud,
+};
 
 struct Run {
     points: u32,
@@ -72,7 +29,8 @@ struct Run {
 fn run(backend: Box<dyn Backend>, run: &Run) -> (Picture, Picture) {
     let options = StoreOptions { seed: 5, insertion_points: run.insertion_points, ..Default::default() };
     let mut progressive = Progressive::new(backend, options);
-    let facts = facts(run.points.into());
+    let cloud = Cloud::town(run.points as usize);
+    let facts = Arc::new(cloud.facts.clone());
     progressive.open(facts.clone());
     let fit = Camera::fit(&facts.bounds, &facts.grid, f64::from(run.size[0]) / f64::from(run.size[1]));
     let request = |camera: &Camera| FrameRequest {
@@ -80,12 +38,12 @@ fn run(backend: Box<dyn Backend>, run: &Run) -> (Picture, Picture) {
         fill: FillBudget::Fixed(run.fill),
         shading: Shading::default(),
     };
-    progressive.offer(cloud(run.points));
+    progressive.offer(cloud.batch(0..cloud.len()));
     progressive.end_of_input();
     let mut frames = 0;
     while !progressive.is_loaded() {
         let mut camera = fit;
-        camera.eye[0] += f64::from(frames.min(2)) * 0.8;
+        camera.eye[0] += f64::from(frames.min(2)) * 3.0;
         progressive.frame(&request(&camera)).unwrap();
         frames += 1;
     }
@@ -136,22 +94,16 @@ fn insertion_equals_its_twin() {
         let total: u32 = batches.iter().sum();
         backend.store_mut().set_page_points(page_points);
         backend.reset(total.into());
-        let points = cloud(total);
+        let cloud = Cloud::town(total as usize);
         let mut expected: Vec<u32> = Vec::new();
-        let camera = Camera::fit(&facts(1).bounds, &facts(1).grid, 1.0);
+        let view = cloud.camera().view(&cloud.facts.grid, [64, 64], 1).unwrap();
         for (index, &new) in batches.iter().enumerate() {
             let old = expected.len() as u32;
             let insertion = Insertion::new(old, new, 3, index as u64);
-            let range = old as usize..(old + new) as usize;
-            let batch = PointBatch {
-                positions: points.positions[range.clone()].to_vec(),
-                colors: points.colors[range.clone()].to_vec(),
-                records: points.records[range.clone()].to_vec(),
-                ..Default::default()
-            };
+            let batch = cloud.batch(old as usize..(old + new) as usize);
             backend.insert(&insertion, &batch).unwrap();
             let plan = FramePlan {
-                view: camera.view(&facts(1).grid, [64, 64], 1).unwrap(),
+                view,
                 reproject: true,
                 fresh: true,
                 fill: [0..0, 0..0],
@@ -159,11 +111,15 @@ fn insertion_equals_its_twin() {
                 files: vec![FileColor::new(0, ColorRule::Rgb16)],
             };
             backend.draw(&plan).unwrap();
-            insertion.apply(&mut expected, &points.records[range], &insertion.moved_to());
+            insertion.apply(&mut expected, &batch.records, &insertion.moved_to());
             let records = backend.store_mut().read_records().unwrap();
             assert!(records[..expected.len()] == expected, "pages {page_points:?}, batch {index} of {new} points");
         }
-        assert_ne!(expected, points.records, "the comparison can fail: this is not the order of arrival");
+        assert_ne!(
+            expected,
+            (0..total).collect::<Vec<_>>(),
+            "the comparison can fail: this is not the order of arrival"
+        );
     }
 }
 

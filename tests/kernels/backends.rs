@@ -1,0 +1,42 @@
+//! The backends that can run here.
+
+use firstlight::render::{Backend, CpuBackend, GpuBackend, RasterChoice};
+
+pub const RASTERS: [RasterChoice; 3] = [RasterChoice::Compute, RasterChoice::Compute32, RasterChoice::Hardware];
+
+/// A backend on a GPU. Without one the test is skipped, loudly, or fails if FIRSTLIGHT_REQUIRE_GPU is
+/// set.
+pub fn gpu(raster: RasterChoice) -> Option<GpuBackend> {
+    match GpuBackend::headless(raster) {
+        Ok(backend) => Some(backend),
+        Err(error) => {
+            assert!(std::env::var_os("FIRSTLIGHT_REQUIRE_GPU").is_none(), "a GPU is required: {error}");
+            skipped(&error.to_string());
+            None
+        }
+    }
+}
+
+/// Says so past the test harness, which shows only what failing tests print.
+fn skipped(why: &str) {
+    use std::io::Write;
+    let _ = writeln!(std::io::stderr(), "SKIPPED on a GPU: {why}");
+}
+
+/// Every backend, with the name that failures give it: the processor's, each rasterizer, and one with
+/// small pages.
+pub fn all() -> Vec<(String, Box<dyn Backend>)> {
+    let mut all: Vec<(String, Box<dyn Backend>)> = vec![
+        ("cpu, 1 thread".into(), Box::new(CpuBackend::new(Some(1)))),
+        ("cpu, 3 threads".into(), Box::new(CpuBackend::new(Some(3)))),
+    ];
+    for raster in RASTERS {
+        let Some(backend) = gpu(raster) else { return all };
+        all.push((format!("{raster:?}"), Box::new(backend)));
+    }
+    if let Some(mut backend) = gpu(RasterChoice::Compute) {
+        backend.store_mut().set_page_points(Some(1000));
+        all.push(("Compute, pages of 1,000 points".into(), Box::new(backend)));
+    }
+    all
+}
