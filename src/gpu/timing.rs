@@ -32,14 +32,30 @@ pub type Span = Option<(u32, u32)>;
 enum Clock {
     /// Timestamp queries; a nanosecond count per tick.
     Device { queries: wgpu::QuerySet, resolved: wgpu::Buffer, readbacks: Vec<Readback>, period_ns: f64 },
-    /// From submission until the device says that it is done: one figure for the whole frame.
-    Wall,
+    /// From submission until the device says that it is done: one figure for the whole frame. A
+    /// software rasterizer has timestamps, but not of when a compute pass ran (Mesa 22.3's lavapipe
+    /// takes them as its command list is read); it is waited for instead, since it has no other
+    /// processor to overlap with.
+    Wall { waits: bool },
+}
+
+/// What a frame did, beside the time that it took.
+#[derive(Debug, Clone, Copy)]
+pub struct Work {
+    pub fill_points: u32,
+    pub insertions: u32,
+}
+
+impl Work {
+    fn times(self) -> PassTimes {
+        PassTimes { fill_points: self.fill_points, insertions: self.insertions, ..Default::default() }
+    }
 }
 
 struct Readback {
     buffer: wgpu::Buffer,
     /// What is on its way, if anything.
-    frame: Option<(Vec<Stage>, u32)>,
+    frame: Option<(Vec<Stage>, Work)>,
     mapped: Arc<Mutex<Option<bool>>>,
 }
 
@@ -53,8 +69,9 @@ pub struct FrameTimer {
 }
 
 impl FrameTimer {
-    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> FrameTimer {
-        let clock = if device.features().contains(wgpu::Features::TIMESTAMP_QUERY) {
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, device_type: wgpu::DeviceType) -> FrameTimer {
+        let is_software = device_type == wgpu::DeviceType::Cpu;
+        let clock = if !is_software && device.features().contains(wgpu::Features::TIMESTAMP_QUERY) {
             let usage = wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC;
             Clock::Device {
                 queries: device.create_query_set(&wgpu::QuerySetDescriptor {
@@ -78,7 +95,7 @@ impl FrameTimer {
                 period_ns: f64::from(queue.get_timestamp_period()),
             }
         } else {
-            Clock::Wall
+            Clock::Wall { waits: is_software }
         };
         FrameTimer { clock, stages: Vec::new(), finished: Arc::default(), target: None }
     }
@@ -88,7 +105,7 @@ impl FrameTimer {
         self.stages.clear();
         self.target = match &self.clock {
             Clock::Device { readbacks, .. } => readbacks.iter().position(|r| r.frame.is_none()),
-            Clock::Wall => None,
+            Clock::Wall { .. } => None,
         };
     }
 
@@ -148,18 +165,18 @@ impl FrameTimer {
         })
     }
 
-    /// Ends a frame's commands. `fill_points` is what its fill drew.
-    pub fn end(&mut self, encoder: &mut wgpu::CommandEncoder, fill_points: u32) {
+    /// Ends a frame's commands.
+    pub fn end(&mut self, encoder: &mut wgpu::CommandEncoder, work: Work) {
         if let (Clock::Device { queries, resolved, readbacks, .. }, Some(target)) = (&mut self.clock, self.target) {
             let count = 2 * self.stages.len() as u32;
             encoder.resolve_query_set(queries, 0..count, resolved, 0);
             encoder.copy_buffer_to_buffer(resolved, 0, &readbacks[target].buffer, 0, Some(u64::from(count) * 8));
-            readbacks[target].frame = Some((self.stages.clone(), fill_points));
+            readbacks[target].frame = Some((self.stages.clone(), work));
         }
     }
 
     /// After the frame's commands were submitted.
-    pub fn submitted(&mut self, queue: &wgpu::Queue, fill_points: u32) {
+    pub fn submitted(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, work: Work) {
         match (&self.clock, self.target) {
             (Clock::Device { readbacks, .. }, Some(target)) => {
                 let mapped = readbacks[target].mapped.clone();
@@ -170,14 +187,17 @@ impl FrameTimer {
                 });
             }
             (Clock::Device { .. }, None) => {}
-            (Clock::Wall, _) => {
+            (&Clock::Wall { waits }, _) => {
                 let (start, finished) = (Instant::now(), self.finished.clone());
                 queue.on_submitted_work_done(move || {
                     if let Ok(mut finished) = finished.lock() {
-                        let fill = start.elapsed().as_secs_f64();
-                        *finished = Some(PassTimes { fill, fill_points, ..Default::default() });
+                        *finished = Some(PassTimes { undivided: start.elapsed().as_secs_f64(), ..work.times() });
                     }
                 });
+                if waits {
+                    // An error here is a lost device, which the next frame reports.
+                    let _ = device.poll(wgpu::PollType::wait_indefinitely());
+                }
             }
         }
     }
@@ -188,11 +208,11 @@ impl FrameTimer {
         if let Clock::Device { readbacks, period_ns, .. } = &mut self.clock {
             for readback in readbacks {
                 let Some(ok) = readback.mapped.lock().ok()?.take() else { continue };
-                let Some((stages, fill_points)) = readback.frame.take() else { continue };
+                let Some((stages, work)) = readback.frame.take() else { continue };
                 if !ok {
                     continue;
                 }
-                let mut times = PassTimes { fill_points, ..Default::default() };
+                let mut times = work.times();
                 if let Ok(bytes) = readback.buffer.get_mapped_range(..) {
                     let ticks: &[u64] = bytemuck::cast_slice(&bytes);
                     for (stage, span) in stages.iter().zip(ticks.chunks_exact(2)) {

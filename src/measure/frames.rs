@@ -10,7 +10,10 @@ use serde::Serialize;
 use super::feed::{Fed, Feed};
 use crate::{
     headless::default_camera,
-    render::{Backend, BackendInfo, Camera, FillBudget, FrameRequest, Progressive, RenderError, Shading, StoreOptions},
+    render::{
+        Backend, BackendInfo, Camera, FillBudget, FrameRequest, PassTimes, Progressive, RenderError, Shading,
+        StoreOptions,
+    },
     scene::SceneFacts,
     source::SourceError,
 };
@@ -33,8 +36,14 @@ pub struct BenchFrames {
 pub struct Samples {
     /// From the frame's first command to its last pixel, as the program sees it.
     pub wall_ms: Vec<f64>,
-    /// Time of all passes on the device's clock, where it has one.
-    pub device_ms: Vec<f64>,
+    /// Passes on the device's clock, where it has one; a frame may be missing.
+    pub passes: Vec<PassTimes>,
+}
+
+impl Samples {
+    fn device_ms(&self) -> Vec<f64> {
+        self.passes.iter().map(|times| times.total() * 1e3).collect()
+    }
 }
 
 /// What was measured with a number of points loaded.
@@ -188,7 +197,7 @@ impl Run<'_> {
         if frame.points_stored > 0 {
             samples.wall_ms.push(start.elapsed().as_secs_f64() * 1e3);
             // Times of the frame before: this frame took them in to set its budget.
-            samples.device_ms.extend(self.progressive.last_pass_times().map(|times| times.total() * 1e3));
+            samples.passes.extend(self.progressive.last_pass_times());
         }
         Ok(())
     }
@@ -206,7 +215,7 @@ impl Run<'_> {
             self.progressive.brute_force(&request)?;
             self.progressive.backend_mut().wait()?;
             brute_force.wall_ms.push(start.elapsed().as_secs_f64() * 1e3);
-            brute_force.device_ms.extend(self.progressive.backend_mut().pass_times().map(|t| t.total() * 1e3));
+            brute_force.passes.extend(self.progressive.backend_mut().pass_times());
         }
         let points = self.progressive.points_stored();
         Ok(Level { points, loading, moving, brute_force, fill_points, loaded_secs })
@@ -250,7 +259,7 @@ pub fn markdown(report: &BenchFramesReport) -> String {
             level.points as f64 * 1e-6,
             quantile(&level.moving.wall_ms, 0.5),
             quantile(&level.moving.wall_ms, 0.99),
-            quantile(&level.moving.device_ms, 0.5),
+            quantile(&level.moving.device_ms(), 0.5),
             f64::from(level.fill_points) * 1e-6,
             quantile(&level.loading.wall_ms, 0.5),
             quantile(&level.loading.wall_ms, 0.99),

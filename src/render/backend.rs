@@ -82,13 +82,17 @@ pub struct PassTimes {
     pub fill: f64,
     pub index: f64,
     pub resolve: f64,
+    /// The whole frame, where the device cannot tell its passes apart; the others are zero then.
+    pub undivided: f64,
     /// Points that `fill` drew.
     pub fill_points: u32,
+    /// Insertions of the frame.
+    pub insertions: u32,
 }
 
 impl PassTimes {
     pub fn total(&self) -> f64 {
-        self.insert + self.reproject + self.fresh + self.fill + self.index + self.resolve
+        self.insert + self.reproject + self.fresh + self.fill + self.index + self.resolve + self.undivided
     }
 }
 

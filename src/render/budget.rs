@@ -18,15 +18,25 @@ pub enum FillBudget {
     Target(f64),
 }
 
-/// Follows measured pass times to hold a target frame time.
+/// Share of the target that the fill gets even where the other passes alone exceed it: without, a slow
+/// device would pay for whole frames and see nothing new in them.
+const LEAST_SHARE: f64 = 0.5;
+/// Frame times, in targets, above which loading takes fewer insertions per frame, and below which more.
+const TOO_LONG: f64 = 1.5;
+const SHORT_ENOUGH: f64 = 1.0;
+
+/// Follows measured frame times to hold a target: with the fill, and while loading with the number of
+/// insertions.
 #[derive(Debug, Clone, Copy)]
 pub struct BudgetController {
     points: u32,
+    insertions: usize,
+    cost: CostModel,
 }
 
 impl Default for BudgetController {
     fn default() -> Self {
-        BudgetController { points: FIRST_FILL }
+        BudgetController { points: FIRST_FILL, insertions: 1, cost: CostModel::default() }
     }
 }
 
@@ -39,18 +49,82 @@ impl BudgetController {
         }
     }
 
-    /// Learns from a finished frame. What is left of the target after the other passes belongs to the
-    /// fill. A budget grows by no more than half per frame, since one quick frame (all points outside
-    /// of the picture, say) tells little about the next, and shrinks at once.
-    pub fn learn(&mut self, times: &PassTimes, target_secs: f64) {
-        // Short fills are dominated by the dispatch itself.
-        if times.fill_points < MIN_FILL || times.fill <= 0.0 {
-            return;
+    /// Insertions that the next frame may take, at most `limit`.
+    pub fn insertions(&self, budget: FillBudget, limit: usize) -> usize {
+        match budget {
+            FillBudget::Fixed(_) => limit,
+            FillBudget::Target(_) => self.insertions.min(limit),
         }
-        let left = (target_secs - (times.total() - times.fill)).max(0.1 * target_secs);
-        let fitting = left * f64::from(times.fill_points) / times.fill;
+    }
+
+    /// Learns from a finished frame; `host_secs` is what its insertions took on the host.
+    pub fn learn(&mut self, times: &PassTimes, host_secs: f64, target_secs: f64) {
+        if times.insertions > 0 {
+            // The host's part overlaps with the device's, or is the same on the CPU backend.
+            let secs = times.total() - times.insert + times.insert.max(host_secs);
+            if secs > TOO_LONG * target_secs {
+                self.insertions = (self.insertions / 2).max(1);
+            } else if secs < SHORT_ENOUGH * target_secs && times.insertions as usize >= self.insertions {
+                self.insertions += 1;
+            }
+        }
+        let Some((fixed_secs, secs_per_point)) = self.cost.learn(times) else { return };
+        let left = (target_secs - fixed_secs).max(LEAST_SHARE * target_secs);
+        // A budget grows by no more than half per frame, since one quick frame (all points outside of the
+        // picture, say) tells little about the next, and shrinks at once.
         let limit = 1.5 * f64::from(self.points);
-        self.points = (fitting.min(limit) as u32).clamp(MIN_FILL, MAX_FILL);
+        self.points = ((left / secs_per_point).min(limit) as u32).clamp(MIN_FILL, MAX_FILL);
+    }
+}
+
+/// Seconds per frame and per point tried.
+///
+/// A device that times its passes says both. Of others only whole frames are known: a line through
+/// the recent ones, `secs = fixed + per_point * points`, older ones weighing less and less.
+#[derive(Debug, Clone, Copy, Default)]
+struct CostModel {
+    weight: f64,
+    points: f64,
+    secs: f64,
+    points_squared: f64,
+    points_secs: f64,
+    secs_per_point: f64,
+}
+
+impl CostModel {
+    fn learn(&mut self, times: &PassTimes) -> Option<(f64, f64)> {
+        // Short fills are dominated by the dispatch itself.
+        if times.fill_points < MIN_FILL {
+            return None;
+        }
+        let x = f64::from(times.fill_points);
+        if times.undivided == 0.0 {
+            return (times.fill > 0.0).then(|| (times.total() - times.fill, times.fill / x));
+        }
+        if times.insertions > 0 {
+            return None;
+        }
+        const KEPT: f64 = 0.9;
+        let y = times.undivided;
+        for (sum, sample) in [
+            (&mut self.weight, 1.0),
+            (&mut self.points, x),
+            (&mut self.secs, y),
+            (&mut self.points_squared, x * x),
+            (&mut self.points_secs, x * y),
+        ] {
+            *sum = KEPT * *sum + sample;
+        }
+        let (mean_x, mean_y) = (self.points / self.weight, self.secs / self.weight);
+        let variance = self.points_squared / self.weight - mean_x * mean_x;
+        let slope = (self.points_secs / self.weight - mean_x * mean_y) / variance;
+        // Budgets that hardly differ say nothing of the slope; what was learnt before still holds.
+        if variance > (0.05 * mean_x).powi(2) && slope > 0.0 {
+            self.secs_per_point = slope.min(mean_y / mean_x);
+        } else if self.secs_per_point == 0.0 {
+            self.secs_per_point = mean_y / mean_x;
+        }
+        Some(((mean_y - self.secs_per_point * mean_x).max(0.0), self.secs_per_point))
     }
 }
 
@@ -58,39 +132,60 @@ impl BudgetController {
 mod tests {
     use super::*;
 
-    /// A device with a fixed cost and a cost per point.
-    fn settle(per_point: f64, other: f64, target: f64) -> f64 {
+    /// Frame time that the fill settles at, on a device with a fixed cost and a cost per point.
+    fn settle(per_point: f64, fixed: f64, target: f64, tells_passes: bool) -> f64 {
         let mut controller = BudgetController::default();
         let mut total = 0.0;
-        for _ in 0..60 {
+        for _ in 0..80 {
             let fill_points = controller.points(FillBudget::Target(target));
-            let times = PassTimes {
-                fill: per_point * f64::from(fill_points),
-                resolve: other,
-                fill_points,
-                ..Default::default()
+            let fill = per_point * f64::from(fill_points);
+            let times = if tells_passes {
+                PassTimes { fill, resolve: fixed, fill_points, ..Default::default() }
+            } else {
+                PassTimes { undivided: fixed + fill, fill_points, ..Default::default() }
             };
             total = times.total();
-            controller.learn(&times, target);
+            controller.learn(&times, 0.0, target);
         }
         total
     }
 
     #[test]
     fn holds_the_target_on_slow_and_fast_devices() {
-        for per_point in [1e-10, 1e-8, 2e-7] {
-            let total = settle(per_point, 0.004, 0.016);
-            assert!((total - 0.016).abs() < 0.001, "{per_point}: {total}");
+        for tells_passes in [true, false] {
+            for per_point in [1e-10, 1e-8, 2e-7] {
+                let total = settle(per_point, 0.004, 0.016, tells_passes);
+                assert!((total - 0.016).abs() < 0.001, "{per_point}, passes {tells_passes}: {total}");
+            }
         }
     }
 
     #[test]
-    fn never_stops_when_the_rest_alone_exceeds_the_target() {
-        assert!(settle(1e-8, 0.05, 0.016) > 0.05);
+    fn goes_on_when_the_rest_alone_exceeds_the_target() {
+        for tells_passes in [true, false] {
+            let total = settle(1e-8, 0.05, 0.016, tells_passes);
+            assert!((total - 0.058).abs() < 0.002, "passes {tells_passes}: {total}");
+        }
     }
 
     #[test]
     fn a_fixed_budget_stays() {
         assert_eq!(BudgetController::default().points(FillBudget::Fixed(5)), 5);
+        assert_eq!(BudgetController::default().insertions(FillBudget::Fixed(5), 16), 16);
+    }
+
+    #[test]
+    fn loading_takes_what_the_frame_time_allows() {
+        for (secs_per_insertion, expected) in [(0.05, 1..=1), (0.004, 2..=6), (1e-5, 16..=16)] {
+            let mut controller = BudgetController::default();
+            for _ in 0..100 {
+                let insertions = controller.insertions(FillBudget::Target(0.016), 16);
+                let insert = secs_per_insertion * insertions as f64;
+                let times = PassTimes { insert, insertions: insertions as u32, ..Default::default() };
+                controller.learn(&times, 0.0, 0.016);
+            }
+            let settled = controller.insertions(FillBudget::Target(0.016), 16);
+            assert!(expected.contains(&settled), "{secs_per_insertion}: {settled}");
+        }
     }
 }

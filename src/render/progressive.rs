@@ -1,6 +1,6 @@
 //! Progressive rendering, the same for every backend: batches in, frames out.
 
-use std::{collections::VecDeque, sync::Arc};
+use std::{collections::VecDeque, sync::Arc, time::Instant};
 
 use serde::Serialize;
 
@@ -92,6 +92,8 @@ pub struct Progressive<B> {
     memory_full: bool,
     budget: BudgetController,
     last_times: Option<PassTimes>,
+    /// Time on the host that the last frame's insertions took.
+    insert_secs: f64,
     last_view: Option<View>,
     last_shading: Option<Shading>,
 }
@@ -117,6 +119,7 @@ impl<B: Backend> Progressive<B> {
             memory_full: false,
             budget: BudgetController::default(),
             last_times: None,
+            insert_secs: 0.0,
             last_view: None,
             last_shading: None,
         }
@@ -215,11 +218,13 @@ impl<B: Backend> Progressive<B> {
         }
         if let Some(times) = self.backend.pass_times() {
             if let FillBudget::Target(secs) = request.fill {
-                self.budget.learn(&times, secs);
+                self.budget.learn(&times, self.insert_secs, secs);
             }
             self.last_times = Some(times);
         }
-        self.insert_waiting()?;
+        let start = Instant::now();
+        self.insert_waiting(self.budget.insertions(request.fill, self.backend.insertions_per_frame()))?;
+        self.insert_secs = start.elapsed().as_secs_f64();
         if self.unsettled && self.is_loaded() {
             self.restart();
         }
@@ -238,7 +243,7 @@ impl<B: Backend> Progressive<B> {
 
     /// Draws all points stored, without regard to what was visible before.
     pub fn brute_force(&mut self, request: &FrameRequest) -> Result<FrameReport, RenderError> {
-        self.insert_waiting()?;
+        self.insert_waiting(self.backend.insertions_per_frame())?;
         self.coverage = Coverage::default();
         self.unsettled = false;
         let fill = self.coverage.advance(self.stored, self.stored);
@@ -287,8 +292,8 @@ impl<B: Backend> Progressive<B> {
 
     /// Inserts what waits, as far as one frame may. Once memory is full, nothing more is inserted and
     /// the points so far can still be drawn.
-    fn insert_waiting(&mut self) -> Result<(), RenderError> {
-        for _ in 0..self.backend.insertions_per_frame() {
+    fn insert_waiting(&mut self, limit: usize) -> Result<(), RenderError> {
+        for _ in 0..limit {
             let count = self.stage();
             if count == 0 {
                 break;

@@ -42,6 +42,8 @@ pub struct CpuBackend {
     ramp: [[u8; 4]; 256],
     /// Seconds that insertions took since the last frame.
     insert_secs: f64,
+    /// Insertions since the last frame.
+    insertions: u32,
     times: Option<PassTimes>,
 }
 
@@ -63,6 +65,7 @@ impl CpuBackend {
             resolved: Resolved::default(),
             ramp: elevation_ramp(),
             insert_secs: 0.0,
+            insertions: 0,
             times: None,
         }
     }
@@ -115,6 +118,7 @@ impl Backend for CpuBackend {
         self.visible = Vec::new();
         self.fresh = Vec::new();
         self.insert_secs = 0.0;
+        self.insertions = 0;
         self.times = None;
     }
 
@@ -134,13 +138,18 @@ impl Backend for CpuBackend {
         let targets = self.store.insert(insertion, points, lists, self.threads).map_err(out_of_memory)?;
         self.fresh.extend(targets);
         self.insert_secs += start.elapsed().as_secs_f64();
+        self.insertions += 1;
         Ok(())
     }
 
     fn draw(&mut self, plan: &FramePlan) -> Result<(), RenderError> {
         let mut last = Instant::now();
         let mut lap = || std::mem::replace(&mut last, Instant::now()).elapsed().as_secs_f64();
-        let mut times = PassTimes { insert: std::mem::take(&mut self.insert_secs), ..Default::default() };
+        let mut times = PassTimes {
+            insert: std::mem::take(&mut self.insert_secs),
+            insertions: std::mem::take(&mut self.insertions),
+            ..Default::default()
+        };
 
         self.clear(plan.view.width, plan.view.height)?;
         if plan.reproject {

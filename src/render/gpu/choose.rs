@@ -95,7 +95,7 @@ fn probe(backend: &mut GpuBackend) -> Result<f64, RenderError> {
         backend.draw(&plan)?;
         backend.wait()?;
         let wall_secs = start.elapsed().as_secs_f64();
-        secs = backend.pass_times().map_or(wall_secs, |times| times.fill);
+        secs = backend.pass_times().filter(|times| times.fill > 0.0).map_or(wall_secs, |times| times.fill);
     }
     Ok(secs)
 }

@@ -21,7 +21,7 @@ use super::{Backend, BackendInfo, FramePlan, PassTimes, Picture, Raster, RenderE
 use crate::{
     gpu::{
         device, kernel, shaders,
-        timing::{FrameTimer, Stage},
+        timing::{FrameTimer, Stage, Work},
     },
     scene::PointBatch,
     store::{
@@ -127,7 +127,7 @@ impl GpuBackend {
             rasterizer,
             index: IndexBuild::new(&device, &layouts),
             resolve: Resolve::new(&device, &queue, &layouts, &store.pages),
-            timer: FrameTimer::new(&device, &queue),
+            timer: FrameTimer::new(&device, &queue, adapter.device_type),
             store,
             layouts,
             device,
@@ -241,11 +241,14 @@ impl Backend for GpuBackend {
         let list = [(Source::Reproject, plan.reproject), (Source::Fresh, plan.fresh), (Source::Fill, true)];
         let list = list.into_iter().filter_map(|(source, drawn)| drawn.then_some(source)).collect();
         let sources = self.binder.bind(&self.device, &self.queue, &self.store, list, &plan.fill);
+        let work = Work {
+            fill_points: plan.fill.iter().map(|range| range.end - range.start).sum(),
+            insertions: self.store.pending_insertions(),
+        };
         self.record(&mut encoder, &targets, &sources, plan);
-        let fill_points = plan.fill.iter().map(|range| range.end - range.start).sum();
-        self.timer.end(&mut encoder, fill_points);
+        self.timer.end(&mut encoder, work);
         self.queue.submit([encoder.finish()]);
-        self.timer.submitted(&self.queue, fill_points);
+        self.timer.submitted(&self.device, &self.queue, work);
         self.store.forget_fresh();
         self.targets = Some(targets);
         self.check_device()

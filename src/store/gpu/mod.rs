@@ -153,6 +153,11 @@ impl GpuStore {
         self.fresh_points
     }
 
+    /// Insertions that [`GpuStore::record`] will perform.
+    pub fn pending_insertions(&self) -> u32 {
+        self.pending.len() as u32
+    }
+
     /// Uploads a batch, to be inserted by [`GpuStore::record`].
     pub fn upload(&mut self, insertion: &Insertion, points: &PointBatch) -> Result<(), RenderError> {
         assert!(self.pending.len() < INSERTIONS_PER_FRAME, "a frame takes {INSERTIONS_PER_FRAME} insertions");
