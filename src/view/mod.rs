@@ -89,9 +89,9 @@ pub fn run(options: Options) -> Result<(), ViewError> {
 impl From<eframe::Error> for ViewError {
     fn from(error: eframe::Error) -> ViewError {
         match error {
-            eframe::Error::Winit(error) => ViewError::NoDisplay(error.to_string()),
-            eframe::Error::WinitEventLoop(error) => ViewError::NoDisplay(error.to_string()),
-            eframe::Error::Wgpu(WgpuError::HandleError(error)) => ViewError::NoDisplay(error.to_string()),
+            eframe::Error::Winit(error) => ViewError::NoDisplay(plain(&error.to_string())),
+            eframe::Error::WinitEventLoop(error) => ViewError::NoDisplay(plain(&error.to_string())),
+            eframe::Error::Wgpu(WgpuError::HandleError(error)) => ViewError::NoDisplay(plain(&error.to_string())),
             eframe::Error::Wgpu(error) => ViewError::NoAdapter(error.to_string()),
             eframe::Error::AppCreation(error) => match error.downcast::<RenderError>() {
                 Ok(error) => match *error {
@@ -101,5 +101,20 @@ impl From<eframe::Error> for ViewError {
                 Err(error) => ViewError::NoAdapter(error.to_string()),
             },
         }
+    }
+}
+
+/// winit puts a place in its source before what happened.
+fn plain(text: &str) -> String {
+    let after_place = text.split_once(".rs:").and_then(|(_, rest)| rest.split_once(": "));
+    after_place.map_or(text, |(_, what)| what).to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn errors_do_not_name_source_files() {
+        assert_eq!(super::plain("os error at /x/winit/mod.rs:788: no connection: refused"), "no connection: refused");
+        assert_eq!(super::plain("no connection"), "no connection");
     }
 }
