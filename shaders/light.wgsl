@@ -16,6 +16,7 @@ struct Shading {
 
 const NONE: u32 = 0xffffffffu;
 const OPAQUE: u32 = 0xff000000u;
+const EDL_LIMIT: f32 = 1e30;
 
 @compute @workgroup_size(256)
 fn light(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
@@ -42,8 +43,7 @@ fn edl_shade(pixel: u32, depth: f32) -> f32 {
     let reach = i32(view.point_size);
     let x = i32(pixel % view.width);
     let y = i32(pixel / view.width);
-    let log_depth = log2(depth);
-    var response = 0.0;
+    var product = 1.0;
     for (var dy = -1; dy <= 1; dy++) {
         for (var dx = -1; dx <= 1; dx++) {
             let at = vec2<i32>(x + dx * reach, y + dy * reach);
@@ -52,9 +52,9 @@ fn edl_shade(pixel: u32, depth: f32) -> f32 {
             }
             let word = words[u32(at.y) * view.width + u32(at.x)];
             if word.x != NONE {
-                response += max(0.0, log_depth - log2(bitcast<f32>(word.y)));
+                product = min(product * max(1.0, depth / bitcast<f32>(word.y)), EDL_LIMIT);
             }
         }
     }
-    return exp2(-shading.edl_factor * response);
+    return exp2(-shading.edl_factor * log2(product));
 }

@@ -15,6 +15,7 @@ use crossbeam_channel::{Receiver, Sender, TryRecvError, bounded};
 use crate::{
     scene::{BATCH_POINTS, FileFacts, PointBatch, SceneFacts},
     source::{self, Event, OpenOptions, SourceError, Stream},
+    store::Permutation,
     synth::{Generator, SynthError, SynthOptions},
 };
 
@@ -80,7 +81,8 @@ impl Feed {
     }
 }
 
-/// Threads that make a synthetic scan, each every n-th batch.
+/// Threads that make a synthetic scan, each every n-th batch. The batches come in random order: the
+/// scene then has its full extent from the start, and only its density grows.
 pub struct SynthFeed {
     facts: Option<Arc<SceneFacts>>,
     batches: Vec<Receiver<PointBatch>>,
@@ -95,6 +97,8 @@ impl SynthFeed {
     fn new(options: &SynthOptions, threads: Option<usize>) -> Result<SynthFeed, SynthError> {
         let generator = Arc::new(Generator::new(options)?);
         let count = threads.unwrap_or_else(|| thread::available_parallelism().map_or(1, |n| n.get())).max(1);
+        // At most 2³² points: the number of batches fits.
+        let order = Permutation::new(generator.len().div_ceil(BATCH_POINTS as u64) as u32, options.seed, 0);
         let (spent, reuse) = bounded::<PointBatch>(count * AHEAD);
         let cancel = Arc::new(AtomicBool::new(false));
         let mut batches = Vec::new();
@@ -104,7 +108,8 @@ impl SynthFeed {
             let (generator, reuse, cancel) = (generator.clone(), reuse.clone(), cancel.clone());
             let work = move || {
                 let size = BATCH_POINTS as u64;
-                for first in (0..generator.len()).step_by(BATCH_POINTS).skip(thread).step_by(count) {
+                for i in (0..order.len()).skip(thread).step_by(count) {
+                    let first = u64::from(order.apply(i)) * size;
                     let mut batch = reuse.try_recv().unwrap_or_default();
                     generator.fill_batch(first..(first + size).min(generator.len()), &mut batch);
                     if cancel.load(Ordering::Relaxed) || send.send(batch).is_err() {

@@ -58,6 +58,8 @@ pub struct Level {
     pub brute_force: Samples,
     /// Points that the last moving frame tried.
     pub fill_points: u32,
+    /// Pixels that show a point once all were tried. Frames cost what they show, not what is loaded.
+    pub covered_pixels: u64,
     /// Seconds spent loading, from the start of the program, without the pauses.
     pub loaded_secs: f64,
 }
@@ -217,8 +219,10 @@ impl Run<'_> {
             brute_force.wall_ms.push(start.elapsed().as_secs_f64() * 1e3);
             brute_force.passes.extend(self.progressive.backend_mut().pass_times());
         }
+        let picture = self.progressive.read()?;
+        let covered_pixels = picture.records.iter().filter(|&&record| record >= 0).count() as u64;
         let points = self.progressive.points_stored();
-        Ok(Level { points, loading, moving, brute_force, fill_points, loaded_secs })
+        Ok(Level { points, loading, moving, brute_force, fill_points, covered_pixels, loaded_secs })
     }
 }
 
@@ -251,12 +255,13 @@ pub fn markdown(report: &BenchFramesReport) -> String {
         line(format!("reader alone: {:.1} million points/s", rate * 1e-6));
     }
     line(String::new());
-    line("| points loaded | frame, ms (median) | 99th percentile | on the device | points tried | while loading, ms (median) | 99th percentile | all points at once, ms | loaded after, s |".into());
-    line("|--:|--:|--:|--:|--:|--:|--:|--:|--:|".into());
+    line("| points loaded | pixels covered | frame, ms (median) | 99th percentile | on the device | points tried | while loading, ms (median) | 99th percentile | all points at once, ms | loaded after, s |".into());
+    line("|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|".into());
     for level in &report.levels {
         line(format!(
-            "| {:.1} M | {:.1} | {:.1} | {:.1} | {:.2} M | {:.1} | {:.1} | {:.1} | {:.2} |",
+            "| {:.1} M | {:.2} M | {:.1} | {:.1} | {:.1} | {:.2} M | {:.1} | {:.1} | {:.1} | {:.2} |",
             level.points as f64 * 1e-6,
+            level.covered_pixels as f64 * 1e-6,
             quantile(&level.moving.wall_ms, 0.5),
             quantile(&level.moving.wall_ms, 0.99),
             quantile(&level.moving.device_ms(), 0.5),

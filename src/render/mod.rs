@@ -20,4 +20,4 @@ pub use color::{FileColor, elevation_ramp};
 pub use cpu::CpuBackend;
 pub use gpu::{GpuBackend, RasterChoice, ShadingUniform};
 pub use progressive::{FrameReport, FrameRequest, INSERTION_POINTS, Progressive, StoreOptions};
-pub use shading::{EDL_GAIN, edl_neighbours, edl_shade};
+pub use shading::EDL_GAIN;

@@ -1,29 +1,38 @@
 //! Eye-dome lighting (Boucheny 2009): a pixel is darkened by how far it lies behind its neighbours.
-//! The formula is that of `shaders/resolve.wgsl`.
+//! Twin of `edl_shade` in `shaders/light.wgsl`.
 //!
 //! For a pixel at depth `z`, over its eight neighbours at depth `zₙ` (`point_size` pixels away, so
 //! that they show other points; those outside of the picture and background do not count):
 //!
 //! ```text
-//! response = Σ max(0, log2 z − log2 zₙ)
+//! response = Σ max(0, log2 z − log2 zₙ) = log2 Π max(1, z / zₙ)
 //! shade    = exp2(−EDL_GAIN · strength · response)
 //! channel  = ⌊channel · shade + ½⌋
 //! ```
 //!
-//! Logarithms make the effect independent of the distance and of the file's unit.
+//! Logarithms make the effect independent of the distance and of the file's unit. The product needs
+//! one of them per pixel, the sum nine.
 
 /// Scale of [`Shading::edl_strength`](super::Shading::edl_strength), chosen so that the default
 /// strength outlines a statue and the ridges of a drone survey and leaves level ground its colours; a
 /// quarter of it was hardly seen on either.
 pub const EDL_GAIN: f32 = 20.0;
 
-/// The neighbours that a pixel is compared with, as steps in x and y, in the order of summation.
+/// The neighbours that a pixel is compared with, as steps in x and y, in the order of the product.
 pub fn edl_neighbours(point_size: u32) -> [[isize; 2]; 8] {
     let r = point_size.max(1) as isize;
     [[-r, -r], [0, -r], [r, -r], [-r, 0], [r, 0], [-r, r], [0, r], [r, r]]
 }
 
-/// What the colour of a pixel with this response is multiplied by; 1 for strength 0.
-pub fn edl_shade(response: f32, strength: f32) -> f32 {
-    (-EDL_GAIN * strength * response).exp2()
+/// No product exceeds this, so that none becomes infinite; the pixel is black long before.
+const EDL_LIMIT: f32 = 1e30;
+
+/// The product for one more neighbour.
+pub fn edl_product(product: f32, depth: f32, neighbour: f32) -> f32 {
+    (product * (depth / neighbour).max(1.0)).min(EDL_LIMIT)
+}
+
+/// What the colour of a pixel with this product is multiplied by; 1 for strength 0.
+pub fn edl_shade(product: f32, strength: f32) -> f32 {
+    (-EDL_GAIN * strength * product.log2()).exp2()
 }

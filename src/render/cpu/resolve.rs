@@ -16,8 +16,8 @@ pub struct Resolved {
     pub rgba: Vec<[u8; 4]>,
     /// 0 for background.
     pub records: Vec<u32>,
-    /// Binary logarithm of the depth, +∞ for background: eye-dome lighting needs each nine times.
-    log_depth: Vec<f32>,
+    /// +∞ for background.
+    depth: Vec<f32>,
 }
 
 impl Resolved {
@@ -27,8 +27,8 @@ impl Resolved {
         self.rgba.resize(pixels, [0; 4]);
         self.records.try_reserve_exact(pixels)?;
         self.records.resize(pixels, 0);
-        self.log_depth.try_reserve_exact(pixels)?;
-        self.log_depth.resize(pixels, f32::INFINITY);
+        self.depth.try_reserve_exact(pixels)?;
+        self.depth.resize(pixels, f32::INFINITY);
         Ok(())
     }
 
@@ -51,14 +51,14 @@ impl Resolved {
 
         thread::scope(|scope| {
             let parts = self.rgba.chunks_mut(part).zip(self.records.chunks_mut(part));
-            let parts = parts.zip(self.log_depth.chunks_mut(part)).zip(words.chunks(part));
-            for (((rgba, records), log_depth), words) in parts {
+            let parts = parts.zip(self.depth.chunks_mut(part)).zip(words.chunks(part));
+            for (((rgba, records), depth), words) in parts {
                 scope.spawn(move || {
                     for (i, word) in words.iter().enumerate() {
                         let word = word.load(Relaxed);
                         (rgba[i], records[i]) = color(plan, word, store, ramp);
                         if lit {
-                            log_depth[i] = if word == BACKGROUND { f32::INFINITY } else { raster::depth(word).log2() };
+                            depth[i] = if word == BACKGROUND { f32::INFINITY } else { raster::depth(word) };
                         }
                     }
                 });
@@ -67,15 +67,15 @@ impl Resolved {
         if !lit {
             return;
         }
-        let log_depth = &self.log_depth;
+        let depth = &self.depth;
         thread::scope(|scope| {
             for (k, rgba) in self.rgba.chunks_mut(part).enumerate() {
                 scope.spawn(move || {
                     for (i, pixel) in rgba.iter_mut().enumerate() {
                         let at = k * part + i;
-                        if log_depth[at] < f32::INFINITY {
-                            let response = edl_response(log_depth, plan, at % width, at / width);
-                            let shade = shading::edl_shade(response, plan.shading.edl_strength);
+                        if depth[at] < f32::INFINITY {
+                            let product = edl_product(depth, plan, at % width, at / width);
+                            let shade = shading::edl_shade(product, plan.shading.edl_strength);
                             let [r, g, b, a] = *pixel;
                             let [r, g, b] = [r, g, b].map(|c| (f32::from(c) * shade + 0.5) as u8);
                             *pixel = [r, g, b, a];
@@ -105,19 +105,19 @@ fn file_of(files: &[FileColor], record: u32) -> &FileColor {
     &files[files.partition_point(|file| file.first_record <= record).max(1) - 1]
 }
 
-/// How far a pixel lies behind its eight neighbours.
-fn edl_response(log_depth: &[f32], plan: &FramePlan, x: usize, y: usize) -> f32 {
+/// How far a pixel lies behind its eight neighbours, see [`shading`].
+fn edl_product(depth: &[f32], plan: &FramePlan, x: usize, y: usize) -> f32 {
     let (width, height) = (plan.view.width as usize, plan.view.height as usize);
-    let center = log_depth[y * width + x];
-    let mut response = 0.0;
+    let center = depth[y * width + x];
+    let mut product = 1.0;
     for [dx, dy] in shading::edl_neighbours(plan.view.point_size) {
         if let (Some(x), Some(y)) = (x.checked_add_signed(dx), y.checked_add_signed(dy))
             && x < width
             && y < height
         {
-            // A background neighbour is infinitely far, and so counts nothing.
-            response += (center - log_depth[y * width + x]).max(0.0);
+            // A background neighbour is infinitely far, and so changes nothing.
+            product = shading::edl_product(product, center, depth[y * width + x]);
         }
     }
-    response
+    product
 }
