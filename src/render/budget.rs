@@ -25,6 +25,10 @@ const LEAST_SHARE: f64 = 0.5;
 const TOO_LONG: f64 = 1.5;
 const SHORT_ENOUGH: f64 = 1.0;
 
+/// Fewest insertions per frame while points wait: the rest of a frame costs a slow device as much as
+/// these do, and with fewer a file would take minutes to load.
+const MIN_INSERTIONS: usize = 4;
+
 /// Follows measured frame times to hold a target: with the fill, and while loading with the number of
 /// insertions.
 #[derive(Debug, Clone, Copy)]
@@ -36,7 +40,7 @@ pub struct BudgetController {
 
 impl Default for BudgetController {
     fn default() -> Self {
-        BudgetController { points: FIRST_FILL, insertions: 1, cost: CostModel::default() }
+        BudgetController { points: FIRST_FILL, insertions: MIN_INSERTIONS, cost: CostModel::default() }
     }
 }
 
@@ -63,7 +67,7 @@ impl BudgetController {
             // The host's part overlaps with the device's, or is the same on the CPU backend.
             let secs = times.total() - times.insert + times.insert.max(host_secs);
             if secs > TOO_LONG * target_secs {
-                self.insertions = (self.insertions / 2).max(1);
+                self.insertions = (self.insertions / 2).max(MIN_INSERTIONS);
             } else if secs < SHORT_ENOUGH * target_secs && times.insertions as usize >= self.insertions {
                 self.insertions += 1;
             }
@@ -176,7 +180,7 @@ mod tests {
 
     #[test]
     fn loading_takes_what_the_frame_time_allows() {
-        for (secs_per_insertion, expected) in [(0.05, 1..=1), (0.004, 2..=6), (1e-5, 16..=16)] {
+        for (secs_per_insertion, expected) in [(0.05, 4..=4), (0.002, 5..=12), (1e-5, 16..=16)] {
             let mut controller = BudgetController::default();
             for _ in 0..100 {
                 let insertions = controller.insertions(FillBudget::Target(0.016), 16);
