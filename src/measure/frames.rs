@@ -205,6 +205,8 @@ impl Run<'_> {
     }
 
     fn level(&mut self, loading: Samples, loaded_secs: f64) -> Result<Level, BenchError> {
+        // The same views at every level.
+        self.frame = 0;
         let mut moving = Samples::default();
         for _ in 0..self.settings.frames {
             self.draw(&mut moving)?;
