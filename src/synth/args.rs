@@ -1,6 +1,10 @@
 //! `firstlight synth` on the command line.
 
-use std::{io::IsTerminal, path::PathBuf, time::Instant};
+use std::{
+    io::{IsTerminal, Write},
+    path::PathBuf,
+    time::Instant,
+};
 
 use super::{Scene, SynthError, SynthOptions, SynthSummary, write};
 use crate::cli::parse_count;
@@ -83,7 +87,9 @@ pub fn run(args: &SynthArgs) -> Result<SynthSummary, SynthError> {
     if !args.quiet {
         let seconds = start.elapsed().as_secs_f64();
         let path = args.output.display();
-        eprintln!("{path}: {} points, {} bytes, {seconds:.1} s", summary.points, summary.bytes);
+        let (points, bytes) = (summary.points, summary.bytes);
+        // If nobody listens, there is nobody to tell.
+        let _ = writeln!(std::io::stderr(), "{path}: {points} points, {bytes} bytes, {seconds:.1} s");
     }
     Ok(summary)
 }

@@ -85,12 +85,12 @@ fn difference(a: &Picture, b: &Picture) -> Option<String> {
     if (a.width, a.height) != (b.width, b.height) {
         return Some(format!("{}x{} against {}x{} pixels", a.width, a.height, b.width, b.height));
     }
-    let pixels = 0..a.records.len();
+    let mut pixels = 0..a.records.len();
     let differs = |&p: &usize| {
         a.records[p] != b.records[p] || a.depth[p].to_bits() != b.depth[p].to_bits() || a.rgba[p] != b.rgba[p]
     };
     let count = pixels.clone().filter(differs).count();
-    let first = pixels.clone().find(differs)?;
+    let first = pixels.find(differs)?;
     let show = |p: &Picture| format!("record {} at {} as {:?}", p.records[first], p.depth[first], p.rgba[first]);
     let at = (first % a.width as usize, first / a.width as usize);
     Some(format!("{count} pixels, the first at {at:?}: {} against {}", show(a), show(b)))

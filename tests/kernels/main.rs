@@ -1,5 +1,11 @@
 //! Store and render: every kernel against its twin, every backend against the picture of all points.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stderr,
+    reason = "a test fails where it stands, and says that it is skipped"
+)]
+
 mod backends;
 mod cloud;
 mod convergence;

@@ -1,5 +1,11 @@
 //! `firstlight` as a user runs it: exit codes, messages, pictures, arrays and reports.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stderr,
+    reason = "a test fails where it stands, and says that it is skipped"
+)]
+
 mod bench;
 mod command_line;
 mod damaged;

@@ -1,5 +1,11 @@
 //! The source room against real files, an independent reader's checksums, and files broken on purpose.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stderr,
+    reason = "a test fails where it stands, and says that it is skipped"
+)]
+
 use std::{
     io::Write,
     path::{Path, PathBuf},

@@ -1,4 +1,10 @@
 //! The window, for real: under Xvfb, with a mouse and keys, judged by screenshots.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stderr,
+    reason = "a test fails where it stands, and says that it is skipped"
+)]
 #![cfg(target_os = "linux")]
 
 mod display;
