@@ -1,13 +1,15 @@
 // The hardware rasterizer. First the depth test decides each pixel's depth, then `claim` writes the
 // smallest slot of that depth, so that points of equal depth give the same picture in any order of
-// drawing. Points are placed at pixel centres that `project` chose, without perspective: nothing is
-// left to the hardware's rounding. Depth is linear, scaled by a power of two: no bit is lost.
+// drawing. Points are placed, without perspective, at centres of pixels that `project` chose, so that
+// the hardware's own rounding decides nothing. Depth is linear, scaled by a power of two: no bit is lost.
 @group(0) @binding(1) var<storage, read_write> words: array<atomic<u32>>;
 
 struct Vertex {
-    @builtin(position) position: vec4<f32>,
+    @builtin(position) @invariant position: vec4<f32>,
     @location(0) @interpolate(flat, either) slot: u32,
     @location(1) @interpolate(flat, either) depth: f32,
+    // As the depth test saw it.
+    @location(2) @interpolate(flat, either) tested: f32,
 }
 
 // One instance for each pixel of the point's square.
@@ -29,6 +31,7 @@ fn place(@builtin(vertex_index) slot: u32, @builtin(instance_index) instance: u3
     let ndc = (vec2<f32>(pixel) + 0.5) / vec2<f32>(size) * 2.0 - 1.0;
     vertex.position = vec4<f32>(ndc.x, -ndc.y, point.depth * view.row_w.w, 1.0);
     vertex.depth = point.depth;
+    vertex.tested = vertex.position.z;
     return vertex;
 }
 
@@ -37,7 +40,7 @@ fn place(@builtin(vertex_index) slot: u32, @builtin(instance_index) instance: u3
 @fragment
 fn claim(vertex: Vertex) {
     let at = vec2<u32>(vertex.position.xy);
-    if textureLoad(depths, at, 0) == vertex.depth * view.row_w.w {
+    if textureLoad(depths, at, 0) == vertex.tested {
         let pixel = at.y * view.width + at.x;
         atomicStore(&words[2u * pixel + 1u], bitcast<u32>(vertex.depth));
         atomicMin(&words[2u * pixel], vertex.slot);

@@ -70,7 +70,7 @@ fn build(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) group
 fn finish() {
     let groups = (atomicLoad(&arguments.index_count) + GROUP - 1u) / GROUP;
     let rows = (groups + MAX_GROUPS - 1u) / MAX_GROUPS;
-    arguments.groups_x = min(groups, MAX_GROUPS);
+    arguments.groups_x = (groups + max(rows, 1u) - 1u) / max(rows, 1u);
     arguments.groups_y = rows;
     arguments.groups_z = 1u;
 }

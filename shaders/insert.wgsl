@@ -51,7 +51,8 @@ fn count(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) group
         ranks[i] = bits;
     }
     let sum = scan_group(local, flags_of(bits));
-    if local == GROUP - 1u {
+    // Rows of groups may have a few too many.
+    if local == GROUP - 1u && i / GROUP < arrayLength(&sums) {
         sums[i / GROUP] = sum;
     }
 }

@@ -72,7 +72,7 @@ pub struct RenderArgs {
     #[arg(short, long)]
     quiet: bool,
     /// Points that enter the store at a time; fixes their slots together with the seed
-    #[arg(long, value_name = "N", default_value_t = INSERTION_POINTS, value_parser = values::parse_points, hide = true)]
+    #[arg(long, value_name = "N", default_value_t = INSERTION_POINTS, value_parser = values::parse_insertion, hide = true)]
     insertion_points: u32,
 }
 

@@ -4,6 +4,7 @@ use clap::ValueEnum;
 
 use crate::{
     headless::Stop,
+    store::MAX_INSERTION_POINTS,
     synth::{Scene, SynthOptions},
 };
 
@@ -49,6 +50,13 @@ pub fn parse_synth(text: &str) -> Result<SynthOptions, String> {
     let (scene, points) = text.split_once(':').unwrap_or((text, "1M"));
     let scene = Scene::from_str(scene, true).map_err(|_| format!("expected town:N or planes:N, found `{text}`"))?;
     Ok(SynthOptions { points: parse_points(points)?.into(), ..SynthOptions::new(scene) })
+}
+
+/// Points of an insertion.
+pub fn parse_insertion(text: &str) -> Result<u32, String> {
+    let points = parse_points(text)?;
+    let wrong = || format!("expected at most {MAX_INSERTION_POINTS}, found `{text}`");
+    (points <= MAX_INSERTION_POINTS).then_some(points).ok_or_else(wrong)
 }
 
 /// Pictures may have no more pixels than this: their arrays alone would take gigabytes.

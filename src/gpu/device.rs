@@ -1,12 +1,11 @@
 //! Choosing an adapter, and what is asked of it.
 
+use super::shaders;
 use crate::render::RenderError;
 
 /// Features that are used where the adapter has them. None is required: without 64-bit atomics two
 /// 32-bit passes do the work, without timestamps the wall clock is read.
-const WANTED: wgpu::Features = wgpu::Features::SHADER_INT64
-    .union(wgpu::Features::SHADER_INT64_ATOMIC_MIN_MAX)
-    .union(wgpu::Features::TIMESTAMP_QUERY);
+const WANTED: wgpu::Features = shaders::INT64_ATOMICS.union(wgpu::Features::TIMESTAMP_QUERY);
 
 /// Features and limits to ask of an adapter: WebGPU's defaults, but buffers as large as they come.
 pub fn descriptor(adapter: &wgpu::Adapter) -> wgpu::DeviceDescriptor<'static> {

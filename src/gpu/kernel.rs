@@ -117,6 +117,17 @@ pub fn buffer(device: &wgpu::Device, label: &str, size: u64, usage: wgpu::Buffer
     })
 }
 
+/// What `make` makes, unless memory has no room for it; the message of the device then.
+pub fn in_memory<T>(device: &wgpu::Device, make: impl FnOnce() -> T) -> Result<T, String> {
+    let scope = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+    let made = make();
+    // Native devices answer at once.
+    match pollster::block_on(scope.pop()) {
+        Some(error) => Err(error.to_string()),
+        None => Ok(made),
+    }
+}
+
 /// A uniform buffer that the host writes.
 pub fn uniform(device: &wgpu::Device, label: &str, size: u64) -> wgpu::Buffer {
     buffer(device, label, size, wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST)
@@ -127,7 +138,7 @@ pub fn uniform(device: &wgpu::Device, label: &str, size: u64) -> wgpu::Buffer {
 pub fn groups_for(threads: u32) -> [u32; 2] {
     let groups = threads.div_ceil(GROUP);
     let rows = groups.div_ceil(MAX_GROUPS).max(1);
-    [groups.min(MAX_GROUPS), rows]
+    [groups.div_ceil(rows), rows]
 }
 
 /// Dispatches at least `threads` threads.
@@ -171,4 +182,22 @@ pub fn read_all<const N: usize>(
         *words = bytemuck::cast_slice(&bytes).to_vec();
     }
     Ok(all)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn groups_hold_all_threads_within_the_limit() {
+        let limit = MAX_GROUPS * GROUP;
+        for threads in [0, 1, 255, 256, 257, limit - 1, limit, limit + 1, 2 * limit + 1, 1 << 30, u32::MAX] {
+            let [x, y] = groups_for(threads);
+            assert!(x <= MAX_GROUPS && y <= MAX_GROUPS, "{threads}: {x} x {y}");
+            let room = u64::from(x) * u64::from(y) * u64::from(GROUP);
+            assert!(room >= u64::from(threads), "{threads}: {x} x {y}");
+            let waste = room - u64::from(threads);
+            assert!(waste < u64::from(y + 1) * u64::from(GROUP), "{threads}: {x} x {y}");
+        }
+    }
 }

@@ -4,8 +4,8 @@
 pub struct Shader {
     pub name: &'static str,
     pub parts: &'static [&'static str],
-    /// Needs 64-bit integers and atomics.
-    pub needs_int64: bool,
+    /// Features that it needs beyond WebGPU's.
+    pub needs: wgpu::Features,
 }
 
 impl Shader {
@@ -21,35 +21,44 @@ impl Shader {
     }
 }
 
+const NOTHING: wgpu::Features = wgpu::Features::empty();
+/// 64-bit minimum and maximum.
+pub const INT64_MIN_MAX: wgpu::Features =
+    wgpu::Features::SHADER_INT64.union(wgpu::Features::SHADER_INT64_ATOMIC_MIN_MAX);
+/// All 64-bit atomics, loads among them.
+pub const INT64_ATOMICS: wgpu::Features = INT64_MIN_MAX.union(wgpu::Features::SHADER_INT64_ATOMIC_ALL_OPS);
+
 macro_rules! shader {
-    ($name:ident, $needs_int64:expr, $($part:literal),+) => {
+    ($name:ident, $needs:expr, $($part:literal),+) => {
         pub const $name: Shader = Shader {
             name: stringify!($name),
             parts: &[$(include_str!(concat!("../../shaders/", $part, ".wgsl"))),+],
-            needs_int64: $needs_int64,
+            needs: $needs,
         };
     };
 }
 
-shader!(INSERT, false, "group", "permutation", "insert");
-shader!(MOVE, false, "group", "permutation", "page", "move");
-shader!(RELOCATE, false, "group", "permutation", "relocate");
-shader!(CLEAR, false, "group", "project", "clear");
-shader!(RASTER_64, true, "group", "page", "project", "points", "plot_64", "raster");
-shader!(RASTER_DEPTH_32, false, "group", "page", "project", "points", "plot_depth_32", "raster");
-shader!(RASTER_SLOT_32, false, "group", "page", "project", "points", "plot_slot_32", "raster");
-shader!(HARDWARE, false, "page", "project", "points", "hardware");
-shader!(INDEX, false, "group", "project", "index");
-shader!(RESOLVE, false, "group", "page", "project", "points", "resolve");
-shader!(LIGHT, false, "group", "project", "light");
+shader!(INSERT, NOTHING, "group", "permutation", "insert");
+shader!(MOVE, NOTHING, "group", "permutation", "page", "move");
+shader!(RELOCATE, NOTHING, "group", "permutation", "relocate");
+shader!(CLEAR, NOTHING, "group", "project", "clear");
+shader!(RASTER_64, INT64_ATOMICS, "group", "page", "project", "points", "plot_64", "raster");
+shader!(RASTER_64_MIN, INT64_MIN_MAX, "group", "page", "project", "points", "plot_64_min", "raster");
+shader!(RASTER_DEPTH_32, NOTHING, "group", "page", "project", "points", "plot_depth_32", "raster");
+shader!(RASTER_SLOT_32, NOTHING, "group", "page", "project", "points", "plot_slot_32", "raster");
+shader!(HARDWARE, NOTHING, "page", "project", "points", "hardware");
+shader!(INDEX, NOTHING, "group", "project", "index");
+shader!(RESOLVE, NOTHING, "group", "page", "project", "points", "resolve");
+shader!(LIGHT, NOTHING, "group", "project", "light");
 
 /// All modules, for the tests.
-pub const ALL: [&Shader; 11] = [
+pub const ALL: [&Shader; 12] = [
     &INSERT,
     &MOVE,
     &RELOCATE,
     &CLEAR,
     &RASTER_64,
+    &RASTER_64_MIN,
     &RASTER_DEPTH_32,
     &RASTER_SLOT_32,
     &HARDWARE,

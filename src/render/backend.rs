@@ -117,6 +117,8 @@ pub enum RenderError {
     Unsupported { adapter: String, raster: Raster, missing: String },
     #[error("{width}x{height} pixels are more than this device can hold ({limit} pixels); choose a smaller --size")]
     TooManyPixels { width: u32, height: u32, limit: u64 },
+    #[error("no memory for a picture of {width}x{height} pixels ({detail})")]
+    NoMemoryForPicture { width: u32, height: u32, detail: String },
     #[error("out of memory after {stored} points ({detail}); the points so far are shown")]
     OutOfMemory { stored: u64, detail: String },
     #[error("the GPU stopped working: {0}")]

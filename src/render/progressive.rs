@@ -12,7 +12,7 @@ use super::{
 };
 use crate::{
     scene::{ColorStats, PointBatch, SceneFacts},
-    store::{Coverage, Insertion},
+    store::{Coverage, Insertion, MAX_INSERTION_POINTS},
 };
 
 /// Points that enter the store at a time. Larger ones cost fewer look-ups per visible point and
@@ -26,7 +26,7 @@ const MAX_POINTS: u64 = u32::MAX as u64;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct StoreOptions {
     pub seed: u64,
-    /// Points per insertion (the last one of a scene may be smaller).
+    /// Points per insertion, 1 to [`MAX_INSERTION_POINTS`] (the last one of a scene may be smaller).
     pub insertion_points: u32,
     /// Store no more than this many points.
     pub max_points: u64,
@@ -88,7 +88,7 @@ pub struct Progressive<B> {
     /// winner moves behind one that lost, only trying the loser again puts the picture right.
     unsettled: bool,
     /// Points entered the store and no frame has drawn them as fresh yet.
-    undrawn: bool,
+    undrawn: usize,
     memory_full: bool,
     budget: BudgetController,
     last_times: Option<PassTimes>,
@@ -100,7 +100,7 @@ pub struct Progressive<B> {
 
 impl<B: Backend> Progressive<B> {
     pub fn new(backend: B, options: StoreOptions) -> Self {
-        assert!(options.insertion_points > 0);
+        assert!((1..=MAX_INSERTION_POINTS).contains(&options.insertion_points), "{options:?}");
         Progressive {
             backend,
             options,
@@ -115,7 +115,7 @@ impl<B: Backend> Progressive<B> {
             stored: 0,
             coverage: Coverage::default(),
             unsettled: false,
-            undrawn: false,
+            undrawn: 0,
             memory_full: false,
             budget: BudgetController::default(),
             last_times: None,
@@ -150,7 +150,7 @@ impl<B: Backend> Progressive<B> {
         self.stored = 0;
         self.coverage = Coverage::default();
         self.unsettled = false;
-        self.undrawn = false;
+        self.undrawn = 0;
         self.memory_full = false;
         self.last_view = None;
     }
@@ -223,27 +223,25 @@ impl<B: Backend> Progressive<B> {
             self.last_times = Some(times);
         }
         let start = Instant::now();
-        self.insert_waiting(self.budget.insertions(request.fill, self.backend.insertions_per_frame()))?;
+        let limit = self.backend.insertions_per_frame() - self.undrawn;
+        self.insert_waiting(self.budget.insertions(request.fill, limit))?;
         self.insert_secs = start.elapsed().as_secs_f64();
         if self.unsettled && self.is_loaded() {
             self.restart();
         }
         let complete = self.coverage.is_complete(self.stored);
-        if !view_changed && !self.undrawn && complete && self.last_shading == Some(request.shading) {
+        if !view_changed && self.undrawn == 0 && complete && self.last_shading == Some(request.shading) {
             return Ok(self.report(false, 0));
         }
         let fill = self.coverage.advance(self.stored, self.budget.points(request.fill));
         let filled = fill.iter().map(|r| r.end - r.start).sum();
-        // The index list of a picture of another size is of no use.
-        let same_size = |last: &View| (last.width, last.height) == (request.view.width, request.view.height);
-        let reproject = self.last_view.as_ref().is_some_and(same_size);
-        self.draw(request, reproject, true, fill)?;
+        self.draw(request, true, true, fill)?;
         Ok(self.report(true, filled))
     }
 
     /// Draws all points stored, without regard to what was visible before.
     pub fn brute_force(&mut self, request: &FrameRequest) -> Result<FrameReport, RenderError> {
-        self.insert_waiting(self.backend.insertions_per_frame())?;
+        self.insert_waiting(self.backend.insertions_per_frame() - self.undrawn)?;
         self.coverage = Coverage::default();
         self.unsettled = false;
         let fill = self.coverage.advance(self.stored, self.stored);
@@ -266,9 +264,11 @@ impl<B: Backend> Progressive<B> {
         let files = self.scene.iter().flat_map(|scene| &scene.files);
         let files =
             files.zip(&self.stats).map(|(file, stats)| FileColor::new(file.first_record, stats.rule())).collect();
+        // If the frame fails, nothing of it counts as tried or shown.
+        self.last_view = None;
         let plan = FramePlan { view: request.view, reproject, fresh, fill, shading: request.shading, files };
         self.backend.draw(&plan)?;
-        self.undrawn = false;
+        self.undrawn = 0;
         self.last_view = Some(request.view);
         self.last_shading = Some(request.shading);
         Ok(())
@@ -304,7 +304,7 @@ impl<B: Backend> Progressive<B> {
                 return Err(error);
             }
             self.staged.clear();
-            self.undrawn = true;
+            self.undrawn += 1;
             self.unsettled |= self.stored > 0;
             self.coverage.note_inserted(self.stored, count);
             self.stored += count;

@@ -8,6 +8,9 @@
 
 use super::permutation::Permutation;
 
+/// Most points that a backend takes as one insertion: 24 MiB on their way, 16 times that in a ring.
+pub const MAX_INSERTION_POINTS: u32 = 1 << 20;
+
 /// One batch entering the store: `new` points on `old` ones.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Insertion {

@@ -11,5 +11,5 @@ mod insertion;
 mod permutation;
 
 pub use coverage::Coverage;
-pub use insertion::Insertion;
+pub use insertion::{Insertion, MAX_INSERTION_POINTS};
 pub use permutation::{Permutation, ROUNDS};

@@ -18,11 +18,14 @@ fn validate(source: &str, capabilities: Capabilities) -> Result<naga::Module, St
 }
 
 fn capabilities(shader: &Shader) -> Capabilities {
-    if shader.needs_int64 {
-        Capabilities::SHADER_INT64 | Capabilities::SHADER_INT64_ATOMIC_MIN_MAX
-    } else {
-        Capabilities::empty()
-    }
+    [
+        (wgpu::Features::SHADER_INT64, Capabilities::SHADER_INT64),
+        (wgpu::Features::SHADER_INT64_ATOMIC_MIN_MAX, Capabilities::SHADER_INT64_ATOMIC_MIN_MAX),
+        (wgpu::Features::SHADER_INT64_ATOMIC_ALL_OPS, Capabilities::SHADER_INT64_ATOMIC_ALL_OPS),
+    ]
+    .into_iter()
+    .filter(|(feature, _)| shader.needs.contains(*feature))
+    .fold(Capabilities::empty(), |all, (_, capability)| all | capability)
 }
 
 #[test]

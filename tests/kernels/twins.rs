@@ -112,14 +112,39 @@ fn insertion_equals_its_twin() {
             };
             backend.draw(&plan).unwrap();
             insertion.apply(&mut expected, &batch.records, &insertion.moved_to());
-            let records = backend.store_mut().read_records().unwrap();
-            assert!(records[..expected.len()] == expected, "pages {page_points:?}, batch {index} of {new} points");
+            let points = backend.store_mut().read_points().unwrap();
+            let case = format!("pages {page_points:?}, batch {index} of {new} points");
+            assert!(points.records[..expected.len()] == expected, "{case}: records");
+            let all = cloud.batch(0..total as usize);
+            for (slot, &record) in expected.iter().enumerate() {
+                assert_eq!(points.positions[slot], all.positions[record as usize], "{case}: slot {slot}");
+                assert_eq!(points.colors[slot], all.colors[record as usize], "{case}: slot {slot}");
+            }
         }
         assert_ne!(
             expected,
             (0..total).collect::<Vec<_>>(),
             "the comparison can fail: this is not the order of arrival"
         );
+    }
+}
+
+/// The same pictures, pixel for pixel, with pages of 1,000 points as with one page.
+#[test]
+fn pages_change_nothing() {
+    for raster in RASTERS {
+        let pictures: Vec<Picture> = [None, Some(1000)]
+            .into_iter()
+            .filter_map(|page_points| {
+                let mut backend = gpu(raster)?;
+                backend.store_mut().set_page_points(page_points);
+                let r = Run { points: 30_001, insertion_points: 4097, point_size: 2, fill: 7_777, size: [160, 120] };
+                Some(run(Box::new(backend), &r).0)
+            })
+            .collect();
+        if let [whole, paged] = &pictures[..] {
+            assert!(whole == paged, "{raster:?}: {} pixels differ", differing(&whole.records, &paged.records));
+        }
     }
 }
 

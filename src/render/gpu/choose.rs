@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use super::{GpuBackend, HardwareRaster};
 use crate::{
+    gpu::shaders,
     render::{Backend, Camera, FramePlan, Raster, RenderError, Shading},
     scene::{Bounds, Grid, PointBatch},
     store::Insertion,
@@ -36,8 +37,7 @@ pub fn backend(
     choice: RasterChoice,
 ) -> Result<GpuBackend, RenderError> {
     let info = adapter.get_info();
-    let int64 = wgpu::Features::SHADER_INT64 | wgpu::Features::SHADER_INT64_ATOMIC_MIN_MAX;
-    let compute = if device.features().contains(int64) { Raster::Compute } else { Raster::Compute32 };
+    let compute = if device.features().contains(shaders::INT64_MIN_MAX) { Raster::Compute } else { Raster::Compute32 };
     let missing = HardwareRaster::missing(adapter);
     let raster = match (choice, missing) {
         (RasterChoice::Hardware, Some(missing)) => {
@@ -50,9 +50,14 @@ pub fn backend(
     };
     let mut backend = GpuBackend::with_raster(&info, device, queue, raster);
     if choice == RasterChoice::Auto && missing.is_none() {
-        let by_compute = probe(&mut backend)?;
+        let compute_secs = probe(&mut backend)?;
         let computing = backend.set_raster(Raster::Hardware);
-        let by_hardware = probe(&mut backend)?;
+        let hardware_secs = probe(&mut backend)?;
+        // Never one by the device's clock and one by the host's.
+        let (by_compute, by_hardware) = match (compute_secs, hardware_secs) {
+            ((_, Some(by_compute)), (_, Some(by_hardware))) => (by_compute, by_hardware),
+            ((by_compute, _), (by_hardware, _)) => (by_compute, by_hardware),
+        };
         log::info!("{PROBE_POINTS} points: {compute} {by_compute} s, hardware {by_hardware} s");
         if by_compute <= by_hardware {
             backend.put_back(compute, computing);
@@ -62,9 +67,9 @@ pub fn backend(
     Ok(backend)
 }
 
-/// Seconds to draw points spread over the picture: the second of two frames, since drivers finish
-/// compiling in the first. On the device's clock where it has one.
-fn probe(backend: &mut GpuBackend) -> Result<f64, RenderError> {
+/// Seconds to draw points spread over the picture, by the host's clock and, where there is one, by the
+/// device's: the second of two frames, since drivers finish compiling in the first.
+fn probe(backend: &mut GpuBackend) -> Result<(f64, Option<f64>), RenderError> {
     backend.reset(PROBE_POINTS.into());
     let insertion = Insertion::new(0, PROBE_POINTS, 0, 0);
     let side = 1000;
@@ -89,13 +94,13 @@ fn probe(backend: &mut GpuBackend) -> Result<f64, RenderError> {
         shading: Shading::default(),
         files: vec![],
     };
-    let mut secs = f64::INFINITY;
+    let mut secs = (f64::INFINITY, None);
     for _ in 0..2 {
         let start = Instant::now();
         backend.draw(&plan)?;
         backend.wait()?;
         let wall_secs = start.elapsed().as_secs_f64();
-        secs = backend.pass_times().filter(|times| times.fill > 0.0).map_or(wall_secs, |times| times.fill);
+        secs = (wall_secs, backend.pass_times().map(|times| times.fill).filter(|&secs| secs > 0.0));
     }
     Ok(secs)
 }

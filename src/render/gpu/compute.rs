@@ -7,6 +7,7 @@ use super::{
 };
 use crate::{
     gpu::{kernel, shaders, timing::FrameTimer},
+    render::Raster,
     store::gpu::{DISPATCH_ARGUMENTS, GpuStore},
 };
 
@@ -24,13 +25,16 @@ pub struct ComputeRaster {
 impl ComputeRaster {
     pub fn new(
         device: &wgpu::Device,
-        with_int64: bool,
+        raster: Raster,
         layouts: &TargetLayouts,
         store: &GpuStore,
         binder: &SourceBinder,
     ) -> ComputeRaster {
-        let modules: &[shaders::Shader] =
-            if with_int64 { &[shaders::RASTER_64] } else { &[shaders::RASTER_DEPTH_32, shaders::RASTER_SLOT_32] };
+        let modules: &[shaders::Shader] = match raster {
+            Raster::Compute if device.features().contains(shaders::RASTER_64.needs) => &[shaders::RASTER_64],
+            Raster::Compute => &[shaders::RASTER_64_MIN],
+            _ => &[shaders::RASTER_DEPTH_32, shaders::RASTER_SLOT_32],
+        };
         let plots = modules.iter().map(|shader| {
             let module = shader.module(device);
             let groups = [&layouts.write, &store.pages.layout_positions, &binder.layout];

@@ -45,10 +45,7 @@ impl Rasterizer {
     ) -> Rasterizer {
         match raster {
             Raster::Hardware => Rasterizer::Hardware(HardwareRaster::new(device, store)),
-            _ => {
-                let with_int64 = raster == Raster::Compute;
-                Rasterizer::Compute(ComputeRaster::new(device, with_int64, layouts, store, binder))
-            }
+            _ => Rasterizer::Compute(ComputeRaster::new(device, raster, layouts, store, binder)),
         }
     }
 }
@@ -169,7 +166,9 @@ impl GpuBackend {
 
     /// One frame. Every pass in order; all state that flows from one to the next is in the arguments.
     fn record(&mut self, encoder: &mut wgpu::CommandEncoder, targets: &Targets, sources: &Sources, plan: &FramePlan) {
-        self.store.record(&mut self.timer.compute_pass(encoder, Stage::Insert));
+        if self.store.pending_insertions() > 0 {
+            self.store.record(&mut self.timer.compute_pass(encoder, Stage::Insert));
+        }
         self.record_clear(encoder, targets);
         match &self.rasterizer {
             Rasterizer::Compute(raster) => raster.record(encoder, &mut self.timer, targets, &self.store, sources),
@@ -194,7 +193,11 @@ impl GpuBackend {
             return Ok(targets);
         }
         let targets = Targets::new(&self.device, &self.layouts, &self.view, size)?;
-        self.store.lists.resize_visible(&self.device, encoder, targets.pixels());
+        let [width, height] = size;
+        let lists = &mut self.store.lists;
+        lists
+            .resize_visible(&self.device, encoder, targets.pixels())
+            .map_err(|detail| RenderError::NoMemoryForPicture { width, height, detail })?;
         if let Rasterizer::Hardware(raster) = &mut self.rasterizer {
             raster.resize(&self.device, &targets, &self.view);
         }
@@ -216,8 +219,6 @@ impl Backend for GpuBackend {
 
     fn reset(&mut self, points: u64) {
         self.store.reset(points);
-        // The visible list names slots of the dropped scene.
-        self.targets = None;
     }
 
     fn insertions_per_frame(&self) -> usize {
@@ -225,6 +226,7 @@ impl Backend for GpuBackend {
     }
 
     fn insert(&mut self, insertion: &Insertion, points: &PointBatch) -> Result<(), RenderError> {
+        self.check_device()?;
         self.store.upload(insertion, points)
     }
 
@@ -232,6 +234,7 @@ impl Backend for GpuBackend {
         self.check_device()?;
         let mut encoder = self.device.create_command_encoder(&Default::default());
         let targets = self.take_targets(&mut encoder, [plan.view.width, plan.view.height])?;
+        self.store.lists.drop_forgotten(&mut encoder);
         self.timer.begin();
         self.queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&plan.view));
         // The second argument of the indirect draw: the pixels of a point.

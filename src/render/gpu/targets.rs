@@ -54,23 +54,21 @@ impl Targets {
         if pixels > limit || width.max(height) > limits.max_texture_dimension_2d {
             return Err(RenderError::TooManyPixels { width, height, limit });
         }
-        let out_of_memory = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let storage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
         let buffer = |label, bytes: u64| kernel::buffer(device, label, pixels * bytes, storage);
-        let words = buffer("words", 8);
-        let targets = Targets {
+        let [words, colors, picture, records] = kernel::in_memory(device, || {
+            [buffer("words", 8), buffer("colors", 4), buffer("picture", 4), buffer("records", 4)]
+        })
+        .map_err(|detail| RenderError::NoMemoryForPicture { width, height, detail })?;
+        Ok(Targets {
             size,
             bind_write: kernel::bind_buffers(device, "words", &layouts.write, &[view, &words]),
             bind_read: kernel::bind_buffers(device, "words, read", &layouts.read, &[view, &words]),
             words,
-            colors: buffer("colors", 4),
-            picture: buffer("picture", 4),
-            records: buffer("records", 4),
-        };
-        match pollster::block_on(out_of_memory.pop()) {
-            Some(_) => Err(RenderError::TooManyPixels { width, height, limit: pixels / 2 }),
-            None => Ok(targets),
-        }
+            colors,
+            picture,
+            records,
+        })
     }
 
     pub fn pixels(&self) -> u32 {

@@ -19,37 +19,57 @@ pub struct SlotLists {
     pub fresh: wgpu::Buffer,
     /// Length of `fresh`, written by the host for each frame.
     pub fresh_count: wgpu::Buffer,
+    /// The visible slots are those of a scene that is gone.
+    pub forget_visible: bool,
 }
 
 impl SlotLists {
     /// Empty lists, without room.
     pub fn new(device: &wgpu::Device) -> SlotLists {
         SlotLists {
-            visible: SlotLists::list(device, "visible slots", 0),
+            visible: list(device, "visible slots", 0),
             visible_arguments: kernel::buffer(
                 device,
                 "visible arguments",
                 ARGUMENTS_BYTES,
                 BufferUsages::STORAGE | BufferUsages::INDIRECT | BufferUsages::COPY_DST | BufferUsages::COPY_SRC,
             ),
-            fresh: SlotLists::list(device, "fresh slots", 0),
+            fresh: list(device, "fresh slots", 0),
             fresh_count: kernel::buffer(device, "fresh count", 4, BufferUsages::STORAGE | BufferUsages::COPY_DST),
+            forget_visible: false,
         }
     }
 
-    /// Room for another number of visible slots; the list is empty then.
-    pub fn resize_visible(&mut self, device: &wgpu::Device, encoder: &mut wgpu::CommandEncoder, visible: u32) {
-        self.visible = SlotLists::list(device, "visible slots", visible);
-        encoder.clear_buffer(&self.visible_arguments, 0, None);
+    /// Makes room for a slot per pixel; the slots that are in the list stay, since a picture of another
+    /// size shows many of the same points.
+    ///
+    /// # Errors
+    /// The device's message, if memory is full.
+    pub fn resize_visible(
+        &mut self,
+        device: &wgpu::Device,
+        encoder: &mut wgpu::CommandEncoder,
+        pixels: u32,
+    ) -> Result<(), String> {
+        let held = (self.visible.size() / 4) as u32;
+        let resized = kernel::in_memory(device, || list(device, "visible slots", pixels.max(held)))?;
+        encoder.copy_buffer_to_buffer(&self.visible, 0, &resized, 0, Some(self.visible.size()));
+        self.visible = resized;
+        Ok(())
     }
 
-    /// Room for another number of fresh slots; the list must be empty.
-    pub fn resize_fresh(&mut self, device: &wgpu::Device, fresh: u32) {
-        self.fresh = SlotLists::list(device, "fresh slots", fresh);
+    /// Empties the list of visible slots if they mean nothing any more.
+    pub fn drop_forgotten(&mut self, encoder: &mut wgpu::CommandEncoder) {
+        if std::mem::take(&mut self.forget_visible) {
+            // The length and the dispatch; the second word is the host's.
+            encoder.clear_buffer(&self.visible_arguments, 0, Some(4));
+            encoder.clear_buffer(&self.visible_arguments, DISPATCH_ARGUMENTS, None);
+        }
     }
+}
 
-    fn list(device: &wgpu::Device, label: &str, slots: u32) -> wgpu::Buffer {
-        let usage = BufferUsages::STORAGE | BufferUsages::INDEX | BufferUsages::COPY_SRC;
-        kernel::buffer(device, label, u64::from(slots) * 4, usage)
-    }
+/// A list with room for so many slots.
+pub fn list(device: &wgpu::Device, label: &str, slots: u32) -> wgpu::Buffer {
+    let usage = BufferUsages::STORAGE | BufferUsages::INDEX | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
+    kernel::buffer(device, label, u64::from(slots) * 4, usage)
 }

@@ -81,8 +81,9 @@ pub struct GpuStore {
     layout_move: wgpu::BindGroupLayout,
     layout_relocate: wgpu::BindGroupLayout,
     scratch: Option<Scratch>,
-    /// Uploaded in the ring, in order, to be inserted by the next frame.
-    pending: Vec<Insertion>,
+    /// Uploaded in the ring, in order, to be inserted by the next frame; each with the number of fresh
+    /// slots before it.
+    pending: Vec<(Insertion, u32)>,
     fresh_points: u32,
 }
 
@@ -144,6 +145,7 @@ impl GpuStore {
     /// Empties the store; `points` are to come.
     pub fn reset(&mut self, points: u64) {
         self.pages.reset(points, self.page_points);
+        self.lists.forget_visible = true;
         self.pending.clear();
         self.fresh_points = 0;
     }
@@ -164,7 +166,10 @@ impl GpuStore {
         self.pages.grow(&self.device, &self.queue, insertion.old + insertion.new, insertion.old)?;
         if self.scratch.as_ref().is_none_or(|scratch| scratch.capacity < insertion.new) {
             assert!(self.pending.is_empty(), "a frame's first insertion is its largest");
-            self.make_scratch(insertion.new);
+            self.scratch = Some(
+                self.make_scratch(insertion.new)
+                    .map_err(|detail| RenderError::OutOfMemory { stored: insertion.old.into(), detail })?,
+            );
         }
         let Some(scratch) = &self.scratch else { unreachable!("just made") };
         let staging = &scratch.ring[self.pending.len()];
@@ -185,7 +190,7 @@ impl GpuStore {
         self.queue.write_buffer(&staging.points, 0, bytemuck::cast_slice(&points.positions));
         self.queue.write_buffer(&staging.points, 12 * capacity, bytemuck::cast_slice(&points.colors));
         self.queue.write_buffer(&staging.points, 20 * capacity, bytemuck::cast_slice(&points.records));
-        self.pending.push(*insertion);
+        self.pending.push((*insertion, self.fresh_points));
         self.fresh_points += insertion.new;
         Ok(())
     }
@@ -194,7 +199,7 @@ impl GpuStore {
     pub fn record(&mut self, pass: &mut wgpu::ComputePass<'_>) {
         let Some(scratch) = &self.scratch else { return };
         let p = &self.pipelines;
-        for (insertion, staging) in self.pending.iter().zip(&scratch.ring) {
+        for (&(insertion, fresh_before), staging) in self.pending.iter().zip(&scratch.ring) {
             pass.set_bind_group(0, &staging.bind, &[]);
             pass.set_bind_group(1, &scratch.bind_assign, &[]);
             for (pipeline, threads) in
@@ -213,13 +218,19 @@ impl GpuStore {
                 }
             }
             if self.relocation {
-                self.record_relocation(pass, scratch, staging);
+                self.record_relocation(pass, scratch, staging, fresh_before);
             }
         }
         self.pending.clear();
     }
 
-    fn record_relocation(&self, pass: &mut wgpu::ComputePass<'_>, scratch: &Scratch, staging: &Staging) {
+    fn record_relocation(
+        &self,
+        pass: &mut wgpu::ComputePass<'_>,
+        scratch: &Scratch,
+        staging: &Staging,
+        fresh_before: u32,
+    ) {
         let lists = &self.lists;
         let bind = kernel::bind_buffers(
             &self.device,
@@ -231,17 +242,20 @@ impl GpuStore {
         pass.set_pipeline(&self.pipelines.relocate_visible);
         pass.dispatch_workgroups_indirect(&lists.visible_arguments, DISPATCH_ARGUMENTS);
         pass.set_pipeline(&self.pipelines.relocate_fresh);
-        kernel::dispatch(pass, self.fresh_points);
+        kernel::dispatch(pass, fresh_before);
     }
 
-    /// Record number of the point in each slot of the pages, in order; waits for the device. Slots
-    /// beyond the points stored hold zeros.
-    pub fn read_records(&self) -> Result<Vec<u32>, RenderError> {
-        let mut records = Vec::new();
+    /// Positions, attributes and records of all slots of the pages, in order, as [`PointBatch`] has
+    /// them; waits for the device. Slots beyond the points stored hold zeros.
+    pub fn read_points(&self) -> Result<PointBatch, RenderError> {
+        let mut points = PointBatch::default();
         for page in self.pages.iter() {
-            records.extend(kernel::read_words(&self.device, &self.queue, &page.records)?);
+            let column = |buffer| kernel::read_words(&self.device, &self.queue, buffer);
+            points.positions.extend_from_slice(bytemuck::cast_slice(&column(&page.positions)?));
+            points.colors.extend_from_slice(bytemuck::cast_slice(&column(&page.attributes)?));
+            points.records.extend(column(&page.records)?);
         }
-        Ok(records)
+        Ok(points)
     }
 
     /// After a frame: its fresh points are drawn.
@@ -249,32 +263,41 @@ impl GpuStore {
         self.fresh_points = 0;
     }
 
-    fn make_scratch(&mut self, capacity: u32) {
+    fn make_scratch(&mut self, capacity: u32) -> Result<Scratch, String> {
         let device = &self.device;
+        let n = u64::from(capacity);
         let words = |label, words: u64| {
             kernel::buffer(device, label, words * 4, BufferUsages::STORAGE | BufferUsages::COPY_DST)
         };
-        let n = u64::from(capacity);
-        let ring = (0..INSERTIONS_PER_FRAME)
-            .map(|_| {
-                let uniform = kernel::uniform(device, "insertion", size_of::<InsertionUniform>() as u64);
-                let points = words("staging", POINT_WORDS * n);
-                let bind = kernel::bind_buffers(device, "staging", &self.layout_staging, &[&uniform, &points]);
-                Staging { uniform, points, bind }
-            })
-            .collect();
-        let [targets, ranks, free_slots, moved_to] =
-            ["targets", "ranks", "free slots", "moved to"].map(|label| words(label, n));
-        let sums = words("sums", 2 * n.div_ceil(kernel::GROUP.into()));
-        let carried = words("carried", POINT_WORDS * n);
-        self.lists.resize_fresh(device, capacity * INSERTIONS_PER_FRAME as u32);
+        let (staged, [targets, ranks, free_slots, moved_to, sums, carried], fresh) = kernel::in_memory(device, || {
+            let staged: Vec<_> = (0..INSERTIONS_PER_FRAME)
+                .map(|_| {
+                    let uniform = kernel::uniform(device, "insertion", size_of::<InsertionUniform>() as u64);
+                    (uniform, words("staging", POINT_WORDS * n))
+                })
+                .collect();
+            let columns = [
+                words("targets", n),
+                words("ranks", n),
+                words("free slots", n),
+                words("moved to", n),
+                words("sums", 2 * n.div_ceil(kernel::GROUP.into())),
+                words("carried", POINT_WORDS * n),
+            ];
+            (staged, columns, lists::list(device, "fresh slots", capacity * INSERTIONS_PER_FRAME as u32))
+        })?;
+        let bind_staging = |(uniform, points)| {
+            let bind = kernel::bind_buffers(device, "staging", &self.layout_staging, &[&uniform, &points]);
+            Staging { uniform, points, bind }
+        };
+        self.lists.fresh = fresh;
         let assign = [&targets, &ranks, &free_slots, &moved_to, &sums, &self.lists.fresh];
-        self.scratch = Some(Scratch {
+        Ok(Scratch {
             capacity,
+            ring: staged.into_iter().map(bind_staging).collect(),
             bind_assign: kernel::bind_buffers(device, "assign", &self.layout_assign, &assign),
             bind_move: kernel::bind_buffers(device, "move", &self.layout_move, &[&targets, &moved_to, &carried]),
-            ring,
             moved_to,
-        });
+        })
     }
 }

@@ -15,11 +15,18 @@ const RECORD_BYTES: u64 = 4;
 
 /// No page is smaller, whatever a header promises.
 const MIN_PAGE_POINTS: u32 = 65_536;
+/// No page is larger, whatever a device allows (768 MiB in all): the last page that does not fit into
+/// memory should not leave much of it unused. Each page costs a look at every visible slot and pixel.
+const MAX_PAGE_POINTS: u32 = 1 << 25;
 
 /// Slots `[first, first + len)`.
 pub struct Page {
     pub first: u32,
     pub len: u32,
+    /// Three words for each point.
+    pub positions: wgpu::Buffer,
+    /// Two words for each point.
+    pub attributes: wgpu::Buffer,
     /// Record number of each point.
     pub records: wgpu::Buffer,
     /// Everything, for the kernels that move points.
@@ -50,7 +57,7 @@ impl Pages {
         Pages {
             pages: Vec::new(),
             page_points: MIN_PAGE_POINTS,
-            max_page_points: (bytes / POSITION_BYTES).min(1 << 30) as u32,
+            max_page_points: (bytes / POSITION_BYTES).min(MAX_PAGE_POINTS.into()) as u32,
             layout_all: layout("page", compute, &[Uniform, ReadWrite, ReadWrite, ReadWrite]),
             layout_positions: layout("page positions", compute | wgpu::ShaderStages::VERTEX, &[Uniform, Read]),
             layout_resolve: layout("page attributes", compute, &[Uniform, Read, Read, Read]),
@@ -91,35 +98,40 @@ impl Pages {
         stored: u32,
     ) -> Result<(), RenderError> {
         while (self.pages.len() as u64) * u64::from(self.page_points) < u64::from(points) {
-            let out_of_memory = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
-            let page = self.page(device, queue);
-            if let Some(error) = pollster::block_on(out_of_memory.pop()) {
-                return Err(RenderError::OutOfMemory { stored: stored.into(), detail: error.to_string() });
-            }
+            let page = self
+                .page(device, queue)
+                .map_err(|detail| RenderError::OutOfMemory { stored: stored.into(), detail })?;
             self.pages.push(page);
         }
         Ok(())
     }
 
-    fn page(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Page {
+    fn page(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Page, String> {
         let first = self.pages.len() as u32 * self.page_points;
         let len = self.page_points.min(u32::MAX - first);
         let column = |label, bytes| {
             kernel::buffer(device, label, u64::from(len) * bytes, BufferUsages::STORAGE | BufferUsages::COPY_SRC)
         };
-        let uniform = kernel::uniform(device, "page", 16);
+        // A buffer that memory has no room for may not be bound: that would be an error of its own.
+        let [uniform, positions, attributes, records] = kernel::in_memory(device, || {
+            [
+                kernel::uniform(device, "page", 16),
+                column("positions", POSITION_BYTES),
+                column("attributes", ATTRIBUTE_BYTES),
+                column("records", RECORD_BYTES),
+            ]
+        })?;
         queue.write_buffer(&uniform, 0, bytemuck::cast_slice(&[first, len, 0, 0]));
-        let positions = column("positions", POSITION_BYTES);
-        let attributes = column("attributes", ATTRIBUTE_BYTES);
-        let records = column("records", RECORD_BYTES);
         let all = [&uniform, &positions, &attributes, &records];
-        Page {
+        Ok(Page {
             first,
             len,
             bind_all: kernel::bind_buffers(device, "page", &self.layout_all, &all),
             bind_positions: kernel::bind_buffers(device, "page positions", &self.layout_positions, &all[..2]),
             bind_resolve: kernel::bind_buffers(device, "page attributes", &self.layout_resolve, &all),
+            positions,
+            attributes,
             records,
-        }
+        })
     }
 }
