@@ -98,9 +98,15 @@ impl Pages {
         stored: u32,
     ) -> Result<(), RenderError> {
         while (self.pages.len() as u64) * u64::from(self.page_points) < u64::from(points) {
-            let page = self
-                .page(device, queue)
-                .map_err(|detail| RenderError::OutOfMemory { stored: stored.into(), detail })?;
+            let page = match self.page(device, queue) {
+                Ok(page) => page,
+                // All pages have one size, so only the first can ask for less.
+                Err(_) if self.pages.is_empty() && self.page_points > MIN_PAGE_POINTS => {
+                    self.page_points = (self.page_points / 2).next_multiple_of(64);
+                    continue;
+                }
+                Err(detail) => return Err(RenderError::OutOfMemory { stored: stored.into(), detail }),
+            };
             self.pages.push(page);
         }
         Ok(())
