@@ -1,14 +1,15 @@
 //! `firstlight info`.
 
-use std::{
-    io::{self, Write},
-    path::PathBuf,
-};
+use std::path::PathBuf;
 
 use clap::Args;
 
 use super::{CliError, ExitStatus, say};
-use crate::{headless::HeadlessError, info::Info, source};
+use crate::{
+    headless::{Destination, HeadlessError},
+    info::Info,
+    source,
+};
 
 #[derive(Debug, Args)]
 pub struct InfoArgs {
@@ -34,7 +35,7 @@ pub fn run(args: InfoArgs) -> Result<ExitStatus, CliError> {
         return Err(HeadlessError::Input(errors.remove(0)).into());
     }
     // What is known comes first: errors are read at the end.
-    print(&text(&args, &infos));
+    print(&text(&args, &infos))?;
     errors.iter().for_each(|error| say(&format!("firstlight: {error}")));
     Ok(match (infos.is_empty(), errors.is_empty()) {
         (_, true) => ExitStatus::Ok,
@@ -56,6 +57,6 @@ fn text(args: &InfoArgs, infos: &[Info]) -> String {
 }
 
 /// Prints to standard output. A reader that has seen enough (`| head`) is no failure.
-fn print(text: &str) {
-    let _ = io::stdout().lock().write_all(text.as_bytes());
+fn print(text: &str) -> Result<(), HeadlessError> {
+    Ok(Destination::Stdout.write(|out| out.write_all(text.as_bytes()))?)
 }

@@ -47,7 +47,9 @@ enum Command {
     #[command(after_help = exit::HELP)]
     Render(Box<render::RenderArgs>),
     /// Print what files say of themselves: header, records, coordinate system, counts
+    #[command(after_help = exit::HELP)]
     Info(info::InfoArgs),
+    #[command(after_help = exit::HELP)]
     Synth(synth::SynthArgs),
     /// Time frames while a scene grows: does the frame time stay flat?
     #[command(after_help = exit::HELP)]

@@ -13,6 +13,7 @@ use super::{CliError, ExitStatus, say, values};
 use crate::{
     headless::{self, BackendChoice, Destination, HeadlessError, Outputs, ProgressStyle, Report, Settings, Stop},
     render::{Camera, INSERTION_POINTS, RasterChoice, Shading},
+    source,
 };
 
 #[derive(Debug, Args)]
@@ -222,7 +223,9 @@ impl RenderArgs {
     fn outputs(&self) -> Result<Outputs, CliError> {
         let named = [("-o", &self.output), ("--ids", &self.ids), ("--depth", &self.depth), ("--json", &self.json)];
         let mut checked: Vec<(&str, Destination)> = Vec::new();
-        let inputs: Vec<PathBuf> = self.inputs.iter().filter_map(|path| fs::canonicalize(path).ok()).collect();
+        // Also the files of folders: a picture must not replace a scan.
+        let (files, _) = source::list_files(&self.inputs);
+        let inputs: Vec<PathBuf> = files.iter().filter_map(|path| fs::canonicalize(path).ok()).collect();
         let [output, ids, depth, json] = named.map(|(flag, path)| -> Result<_, CliError> {
             let Some(path) = path else { return Ok(None) };
             let destination = Destination::check(path).map_err(HeadlessError::from)?;

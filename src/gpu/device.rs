@@ -1,5 +1,7 @@
 //! Choosing an adapter, and what is asked of it.
 
+use std::time::Duration;
+
 use super::shaders;
 use crate::render::RenderError;
 
@@ -39,4 +41,20 @@ pub fn headless() -> Result<(wgpu::Adapter, wgpu::Device, wgpu::Queue), RenderEr
     let (device, queue) = pollster::block_on(adapter.request_device(&descriptor(&adapter)))
         .map_err(|error| RenderError::NoAdapter(format!(" (the adapter gave no device: {error})")))?;
     Ok((adapter, device, queue))
+}
+
+/// A device that has not finished by then never will; the longest frame seen (a billion points on a
+/// software rasterizer) takes half a minute.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+/// Waits until all submitted work is done.
+///
+/// # Errors
+/// [`RenderError::DeviceLost`], also if the device does not answer.
+pub fn wait(device: &wgpu::Device) -> Result<(), RenderError> {
+    let poll = wgpu::PollType::Wait { submission_index: None, timeout: Some(PATIENCE) };
+    match device.poll(poll) {
+        Ok(_) => Ok(()),
+        Err(error) => Err(RenderError::DeviceLost(format!("no answer within {} s ({error})", PATIENCE.as_secs()))),
+    }
 }

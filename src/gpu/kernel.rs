@@ -1,5 +1,6 @@
 //! Bind groups, pipelines and dispatches in few words.
 
+use super::device;
 use crate::render::RenderError;
 
 /// Threads in a workgroup of every kernel, as `GROUP` in `shaders/group.wgsl`.
@@ -175,7 +176,7 @@ pub fn read_all<const N: usize>(
         buffer.map_async(wgpu::MapMode::Read, .., |_| {});
     }
     let lost = |error: &dyn std::fmt::Display| RenderError::DeviceLost(error.to_string());
-    device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| lost(&error))?;
+    device::wait(device)?;
     let mut all = [const { Vec::new() }; N];
     for (words, buffer) in all.iter_mut().zip(&staging) {
         let bytes = buffer.get_mapped_range(..).map_err(|error| lost(&error))?;

@@ -5,7 +5,7 @@ use std::{
     time::Instant,
 };
 
-use super::kernel;
+use super::{device, kernel};
 use crate::render::PassTimes;
 
 /// A stage of a frame, as in [`PassTimes`].
@@ -196,7 +196,7 @@ impl FrameTimer {
                 });
                 if waits {
                     // An error here is a lost device, which the next frame reports.
-                    let _ = device.poll(wgpu::PollType::wait_indefinitely());
+                    let _ = device::wait(device);
                 }
             }
         }

@@ -135,6 +135,9 @@ pub trait Backend {
     /// Most insertions that may happen between two frames.
     fn insertions_per_frame(&self) -> usize;
 
+    /// Makes room for pictures of this width and height. What was visible stays known.
+    fn resize(&mut self, size: [u32; 2]) -> Result<(), RenderError>;
+
     /// Inserts a batch. Its points are *fresh* until the next frame.
     fn insert(&mut self, insertion: &Insertion, points: &PointBatch) -> Result<(), RenderError>;
 
@@ -160,6 +163,9 @@ impl<B: Backend + ?Sized> Backend for Box<B> {
     }
     fn insertions_per_frame(&self) -> usize {
         (**self).insertions_per_frame()
+    }
+    fn resize(&mut self, size: [u32; 2]) -> Result<(), RenderError> {
+        (**self).resize(size)
     }
     fn insert(&mut self, insertion: &Insertion, points: &PointBatch) -> Result<(), RenderError> {
         (**self).insert(insertion, points)

@@ -222,6 +222,8 @@ impl<B: Backend> Progressive<B> {
             }
             self.last_times = Some(times);
         }
+        // Before points fill the memory.
+        self.backend.resize([request.view.width, request.view.height])?;
         let start = Instant::now();
         let limit = self.backend.insertions_per_frame() - self.undrawn;
         self.insert_waiting(self.budget.insertions(request.fill, limit))?;

@@ -15,10 +15,9 @@ pub fn list(inputs: &[PathBuf]) -> (Vec<PathBuf>, Vec<(PathBuf, SourceError)>) {
     for input in inputs {
         match std::fs::metadata(input) {
             Ok(meta) if meta.is_dir() => {
-                let before = files.len();
-                if let Err(error) = search(input, 0, &mut files) {
-                    errors.push((input.clone(), error));
-                } else if files.len() == before {
+                let (before, errors_before) = (files.len(), errors.len());
+                search(input, 0, &mut files, &mut errors);
+                if files.len() == before && errors.len() == errors_before {
                     errors.push((input.clone(), SourceError::EmptyFolder { path: input.clone() }));
                 }
                 files[before..].sort();
@@ -42,22 +41,41 @@ pub fn from_io(path: &Path, doing: &'static str, error: &std::io::Error) -> Sour
     }
 }
 
-fn search(folder: &Path, depth: usize, files: &mut Vec<PathBuf>) -> Result<(), SourceError> {
-    let entries = std::fs::read_dir(folder).map_err(|e| from_io(folder, "list the folder", &e))?;
-    for entry in entries.flatten() {
+/// A folder that cannot be listed is an error and does not hide the rest.
+fn search(folder: &Path, depth: usize, files: &mut Vec<PathBuf>, errors: &mut Vec<(PathBuf, SourceError)>) {
+    let mut fail = |error: &std::io::Error| {
+        errors.push((folder.into(), from_io(folder, "list the folder", error)));
+    };
+    let entries = match std::fs::read_dir(folder) {
+        Ok(entries) => entries,
+        Err(error) => return fail(&error),
+    };
+    let mut folders = Vec::new();
+    for entry in entries {
+        let entry = match entry {
+            Ok(entry) => entry,
+            Err(error) => {
+                fail(&error);
+                continue;
+            }
+        };
         let path = entry.path();
         // `file_type` does not follow links: a linked folder may lead back to where we are.
         let Ok(kind) = entry.file_type() else { continue };
         if kind.is_dir() {
-            if depth < MAX_DEPTH {
-                // One unreadable subfolder must not hide the rest.
-                let _ = search(&path, depth + 1, files);
-            }
+            folders.push(path);
         } else if is_las_name(&path) && (kind.is_file() || path.is_file()) {
             files.push(path);
         }
     }
-    Ok(())
+    for path in folders {
+        if depth < MAX_DEPTH {
+            search(&path, depth + 1, files, errors);
+        } else {
+            let reason = format!("folders are searched {MAX_DEPTH} deep");
+            errors.push((path.clone(), SourceError::Io { path, doing: "list the folder", reason }));
+        }
+    }
 }
 
 fn is_las_name(path: &Path) -> bool {

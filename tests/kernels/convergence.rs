@@ -336,6 +336,9 @@ impl Backend for Small {
     fn insertions_per_frame(&self) -> usize {
         self.cpu.insertions_per_frame()
     }
+    fn resize(&mut self, size: [u32; 2]) -> Result<(), RenderError> {
+        self.cpu.resize(size)
+    }
     fn insert(&mut self, insertion: &Insertion, points: &PointBatch) -> Result<(), RenderError> {
         if insertion.old + insertion.new > self.limit {
             return Err(RenderError::OutOfMemory { stored: insertion.old.into(), detail: "a test".into() });

@@ -76,25 +76,11 @@ impl CpuBackend {
         self.relocation = on;
     }
 
-    /// Makes the picture `width` × `height`, all background.
-    fn clear(&mut self, width: u32, height: u32) -> Result<(), RenderError> {
-        let pixels = u64::from(width) * u64::from(height);
-        let refusal = || RenderError::TooManyPixels { width, height, limit: MAX_PIXELS };
-        if pixels > MAX_PIXELS {
-            return Err(refusal());
-        }
-        let pixels = pixels as usize;
-        if self.words.len() != pixels {
-            self.words = Vec::new();
-            self.words.try_reserve_exact(pixels).map_err(|_| refusal())?;
-            self.words.resize_with(pixels, AtomicU64::default);
-            self.resolved.resize(pixels).map_err(|_| refusal())?;
-        }
-        (self.width, self.height) = (width, height);
+    /// Makes the picture all background.
+    fn clear(&mut self) {
         for word in &mut self.words {
             *word.get_mut() = BACKGROUND;
         }
-        Ok(())
     }
 
     /// Draws the points in these slots.
@@ -126,6 +112,24 @@ impl Backend for CpuBackend {
         8
     }
 
+    fn resize(&mut self, size: [u32; 2]) -> Result<(), RenderError> {
+        let [width, height] = size;
+        let pixels = u64::from(width) * u64::from(height);
+        let refusal = || RenderError::TooManyPixels { width, height, limit: MAX_PIXELS };
+        if pixels > MAX_PIXELS {
+            return Err(refusal());
+        }
+        let pixels = pixels as usize;
+        if self.words.len() != pixels {
+            self.words = Vec::new();
+            self.words.try_reserve_exact(pixels).map_err(|_| refusal())?;
+            self.words.resize_with(pixels, || AtomicU64::new(BACKGROUND));
+            self.resolved.resize(pixels).map_err(|_| refusal())?;
+        }
+        (self.width, self.height) = (width, height);
+        Ok(())
+    }
+
     fn insert(&mut self, insertion: &Insertion, points: &PointBatch) -> Result<(), RenderError> {
         let start = Instant::now();
         let out_of_memory = |e: std::collections::TryReserveError| RenderError::OutOfMemory {
@@ -151,7 +155,8 @@ impl Backend for CpuBackend {
             ..Default::default()
         };
 
-        self.clear(plan.view.width, plan.view.height)?;
+        self.resize([plan.view.width, plan.view.height])?;
+        self.clear();
         if plan.reproject {
             self.draw_slots(plan, &self.visible);
         }

@@ -188,22 +188,6 @@ impl GpuBackend {
         kernel::dispatch(&mut pass, targets.pixels());
     }
 
-    fn take_targets(&mut self, encoder: &mut wgpu::CommandEncoder, size: [u32; 2]) -> Result<Targets, RenderError> {
-        if let Some(targets) = self.targets.take_if(|targets| targets.size == size) {
-            return Ok(targets);
-        }
-        let targets = Targets::new(&self.device, &self.layouts, &self.view, size)?;
-        let [width, height] = size;
-        let lists = &mut self.store.lists;
-        lists
-            .resize_visible(&self.device, encoder, targets.pixels())
-            .map_err(|detail| RenderError::NoMemoryForPicture { width, height, detail })?;
-        if let Rasterizer::Hardware(raster) = &mut self.rasterizer {
-            raster.resize(&self.device, &targets, &self.view);
-        }
-        Ok(targets)
-    }
-
     fn check_device(&self) -> Result<(), RenderError> {
         match self.lost.lock().ok().and_then(|lost| lost.clone()) {
             Some(message) => Err(RenderError::DeviceLost(message)),
@@ -230,10 +214,31 @@ impl Backend for GpuBackend {
         self.store.upload(insertion, points)
     }
 
+    fn resize(&mut self, size: [u32; 2]) -> Result<(), RenderError> {
+        if self.targets.as_ref().is_some_and(|targets| targets.size == size) {
+            return Ok(());
+        }
+        self.check_device()?;
+        let targets = Targets::new(&self.device, &self.layouts, &self.view, size)?;
+        let [width, height] = size;
+        let mut encoder = self.device.create_command_encoder(&Default::default());
+        let lists = &mut self.store.lists;
+        lists
+            .resize_visible(&self.device, &mut encoder, targets.pixels())
+            .map_err(|detail| RenderError::NoMemoryForPicture { width, height, detail })?;
+        self.queue.submit([encoder.finish()]);
+        if let Rasterizer::Hardware(raster) = &mut self.rasterizer {
+            raster.resize(&self.device, &targets, &self.view);
+        }
+        self.targets = Some(targets);
+        Ok(())
+    }
+
     fn draw(&mut self, plan: &FramePlan) -> Result<(), RenderError> {
         self.check_device()?;
+        self.resize([plan.view.width, plan.view.height])?;
+        let Some(targets) = self.targets.take() else { unreachable!("just made") };
         let mut encoder = self.device.create_command_encoder(&Default::default());
-        let targets = self.take_targets(&mut encoder, [plan.view.width, plan.view.height])?;
         self.store.lists.drop_forgotten(&mut encoder);
         self.timer.begin();
         self.queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&plan.view));
@@ -264,9 +269,7 @@ impl Backend for GpuBackend {
     }
 
     fn wait(&mut self) -> Result<(), RenderError> {
-        self.device
-            .poll(wgpu::PollType::wait_indefinitely())
-            .map_err(|error| RenderError::DeviceLost(error.to_string()))?;
+        device::wait(&self.device)?;
         self.check_device()
     }
 
