@@ -1,4 +1,5 @@
-// Reads positions. Whatever their encoding, this is the one place that knows it.
+// Reads positions: three 32-bit integers. The rasterizers and the resolve pass know no more of their
+// encoding; move.wgsl copies the words as they are.
 @group(1) @binding(0) var<uniform> page: Page;
 @group(1) @binding(1) var<storage, read> positions: array<u32>;
 

@@ -14,9 +14,11 @@
 //! cli       what the user typed → one of these
 //! ```
 //!
-//! `scene` holds the words that all of them share; `gpu` is what every GPU pass stands on.
+//! `scene` and `device` hold the words that all of them share; `gpu` is what every GPU pass stands on.
 
 pub mod scene;
+
+pub mod device;
 
 pub mod gpu;
 

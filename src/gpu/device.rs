@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use super::shaders;
-use crate::render::RenderError;
+use crate::device::RenderError;
 
 /// Features that are used where the adapter has them. None is required: without 64-bit atomics two
 /// 32-bit passes do the work, without timestamps the wall clock is read.

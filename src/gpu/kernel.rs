@@ -1,7 +1,7 @@
 //! Bind groups, pipelines and dispatches in few words.
 
 use super::device;
-use crate::render::RenderError;
+use crate::device::RenderError;
 
 /// Threads in a workgroup of every kernel, as `GROUP` in `shaders/group.wgsl`.
 pub const GROUP: u32 = 256;

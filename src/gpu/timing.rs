@@ -6,7 +6,7 @@ use std::{
 };
 
 use super::{device, kernel};
-use crate::render::PassTimes;
+use crate::device::PassTimes;
 
 /// A stage of a frame, as in [`PassTimes`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,6 +1,6 @@
 //! The fill budget: how many random points a frame may try (`numRandom`).
 
-use super::backend::PassTimes;
+use crate::device::PassTimes;
 
 /// Fewest points a frame tries: progress must not stop on the slowest device.
 const MIN_FILL: u32 = 10_000;

@@ -13,7 +13,8 @@ mod gpu;
 mod progressive;
 mod shading;
 
-pub use backend::{Backend, BackendInfo, FramePlan, PassTimes, Picture, Raster, RenderError, Shading};
+pub use crate::device::{PassTimes, Raster, RenderError};
+pub use backend::{Backend, BackendInfo, FramePlan, Picture, Shading};
 pub use budget::{BudgetController, FillBudget};
 pub use camera::{Camera, CameraError, Projected, View};
 pub use color::{FileColor, elevation_ramp};

@@ -5,12 +5,13 @@ use std::{collections::VecDeque, sync::Arc, time::Instant};
 use serde::Serialize;
 
 use super::{
-    backend::{Backend, FramePlan, PassTimes, Picture, RenderError, Shading},
+    backend::{Backend, FramePlan, Picture, Shading},
     budget::{BudgetController, FillBudget},
     camera::View,
     color::FileColor,
 };
 use crate::{
+    device::{PassTimes, RenderError},
     scene::{ColorStats, PointBatch, SceneFacts},
     store::{Coverage, Insertion, MAX_INSERTION_POINTS},
 };

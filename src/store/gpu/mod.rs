@@ -1,4 +1,4 @@
-//! The store on the GPU: a ring of upload buffers, the kernels that insert a batch into random slots
+//! The store on the GPU: staging buffers for the batches of a frame, the kernels that insert a batch into random slots
 //! and move the points it evicts, and the pages that hold all of it.
 
 mod lists;
@@ -10,11 +10,11 @@ use wgpu::BufferUsages;
 
 use super::{Insertion, ROUNDS};
 use crate::{
+    device::RenderError,
     gpu::{
         kernel::{self, Binding},
         shaders,
     },
-    render::RenderError,
     scene::PointBatch,
 };
 

@@ -3,8 +3,8 @@
 use wgpu::BufferUsages;
 
 use crate::{
+    device::RenderError,
     gpu::kernel::{self, Binding},
-    render::RenderError,
 };
 
 /// Bytes of a position: three 32-bit integers on the scene's grid.

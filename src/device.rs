@@ -1,0 +1,69 @@
+//! What whoever draws, a GPU or the processor, has in common: the ways to rasterize, the times of a
+//! frame, and what can go wrong.
+
+use serde::Serialize;
+
+/// A way to turn points into pixels. All of them give the same words, see [`crate::render`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Raster {
+    /// Compute shader, 64-bit `atomicMin` of depth and slot.
+    Compute,
+    /// Compute shader, two passes of 32-bit `atomicMin`: depth, then slot.
+    Compute32,
+    /// Point-list draws with the depth test, then the slots of the points that passed it.
+    Hardware,
+    /// The kernels' twins, on the processor.
+    Cpu,
+}
+
+impl std::fmt::Display for Raster {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Raster::Compute => "compute",
+            Raster::Compute32 => "compute32",
+            Raster::Hardware => "hardware",
+            Raster::Cpu => "cpu",
+        })
+    }
+}
+
+/// Seconds that the passes of one frame took on the device.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct PassTimes {
+    pub insert: f64,
+    pub reproject: f64,
+    pub fresh: f64,
+    pub fill: f64,
+    pub index: f64,
+    pub resolve: f64,
+    /// The whole frame, where the device cannot tell its passes apart; the others are zero then.
+    pub undivided: f64,
+    /// Points that `fill` drew.
+    pub fill_points: u32,
+    /// Insertions of the frame.
+    pub insertions: u32,
+}
+
+impl PassTimes {
+    pub fn total(&self) -> f64 {
+        self.insert + self.reproject + self.fresh + self.fill + self.index + self.resolve + self.undivided
+    }
+}
+
+/// Why a backend could not do its work.
+#[derive(Debug, Clone, thiserror::Error)]
+pub enum RenderError {
+    #[error("no GPU adapter found{0}")]
+    NoAdapter(String),
+    #[error("the {adapter} cannot run the {raster} rasterizer: it lacks {missing}")]
+    Unsupported { adapter: String, raster: Raster, missing: String },
+    #[error("{width}x{height} pixels are more than this device can hold ({limit} pixels); choose a smaller --size")]
+    TooManyPixels { width: u32, height: u32, limit: u64 },
+    #[error("no memory for a picture of {width}x{height} pixels ({detail})")]
+    NoMemoryForPicture { width: u32, height: u32, detail: String },
+    #[error("out of memory after {stored} points ({detail}); the points so far are shown")]
+    OutOfMemory { stored: u64, detail: String },
+    #[error("the GPU stopped working: {0}")]
+    DeviceLost(String),
+}
