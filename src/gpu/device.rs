@@ -37,10 +37,16 @@ pub fn headless() -> Result<(wgpu::Adapter, wgpu::Device, wgpu::Queue), RenderEr
     let options =
         wgpu::RequestAdapterOptions { power_preference: wgpu::PowerPreference::HighPerformance, ..Default::default() };
     let adapter = pollster::block_on(instance().request_adapter(&options))
-        .map_err(|error| RenderError::NoAdapter(format!(" ({error})")))?;
+        .map_err(|error| RenderError::NoAdapter(format!(" ({})", what_was_tried(&error.to_string()))))?;
     let (device, queue) = pollster::block_on(adapter.request_device(&descriptor(&adapter)))
         .map_err(|error| RenderError::NoAdapter(format!(" (the adapter gave no device: {error})")))?;
     Ok((adapter, device, queue))
+}
+
+/// wgpu's reason without the backends that this program is built without.
+fn what_was_tried(reason: &str) -> String {
+    let parts = reason.split([';', ',']).map(str::trim).filter(|part| !part.ends_with("not compiled in"));
+    parts.collect::<Vec<_>>().join(", ")
 }
 
 /// A device that has not finished by then never will; the longest frame seen (a billion points on a

@@ -52,10 +52,16 @@ pub enum SourceError {
     )]
     TooManyPoints { path: PathBuf, points: u64, before: u64 },
     /// Several inputs, and none could be opened.
-    #[error("none of {} inputs could be opened; the first: {}", errors.len(), first(errors))]
+    #[error("none of {} inputs could be opened: {}", errors.len(), reasons(errors))]
     AllFailed { errors: Vec<SourceError> },
 }
 
-fn first(errors: &[SourceError]) -> String {
-    errors.first().map(SourceError::to_string).unwrap_or_default()
+/// The first few reasons, in one line.
+fn reasons(errors: &[SourceError]) -> String {
+    const SHOWN: usize = 3;
+    let mut reasons: Vec<String> = errors.iter().take(SHOWN).map(SourceError::to_string).collect();
+    if errors.len() > SHOWN {
+        reasons.push(format!("and {} more", errors.len() - SHOWN));
+    }
+    reasons.join("; ")
 }

@@ -190,5 +190,5 @@ fn inputs_that_give_nothing_fail_with_one_line() {
     assert!(fail(std::slice::from_ref(&text)).to_string().contains("found an empty file"));
     assert!(fail(&["/dev/null".into()]).to_string().contains("expected a regular file"));
     let all = fail(&[text, folder]).to_string();
-    assert!(all.starts_with("none of 2 inputs could be opened; the first: "), "{all}");
+    assert!(all.starts_with("none of 2 inputs could be opened: "), "{all}");
 }
