@@ -23,6 +23,16 @@ fn skipped(why: &str) {
     let _ = writeln!(std::io::stderr(), "SKIPPED on a GPU: {why}");
 }
 
+/// A compute backend on a device that lacks features which the adapter may have.
+fn without(features: wgpu::Features) -> Option<GpuBackend> {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+    let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default())).ok()?;
+    let mut descriptor = GpuBackend::device_descriptor(&adapter);
+    descriptor.required_features.remove(features);
+    let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).expect("fewer features than offered");
+    Some(GpuBackend::on_device(&adapter, device, queue, RasterChoice::Compute).expect("compute runs everywhere"))
+}
+
 /// Every backend, with the name that failures give it: the processor's, each rasterizer, and one with
 /// small pages.
 pub fn all() -> Vec<(String, Box<dyn Backend>)> {
@@ -33,6 +43,9 @@ pub fn all() -> Vec<(String, Box<dyn Backend>)> {
     for raster in RASTERS {
         let Some(backend) = gpu(raster) else { return all };
         all.push((format!("{raster:?}"), Box::new(backend)));
+    }
+    if let Some(backend) = without(wgpu::Features::SHADER_INT64_ATOMIC_ALL_OPS | wgpu::Features::TIMESTAMP_QUERY) {
+        all.push(("Compute, 64-bit minimum only, no timestamps".into(), Box::new(backend)));
     }
     if let Some(mut backend) = gpu(RasterChoice::Compute) {
         backend.store_mut().set_page_points(Some(1000));
