@@ -75,6 +75,8 @@ pub struct Progressive<B> {
     options: StoreOptions,
     scene: Option<Arc<SceneFacts>>,
     stats: Vec<ColorStats>,
+    /// What `stats` say of each file.
+    file_colors: Vec<FileColor>,
     /// Batches not yet (wholly) staged; of the first, `taken` points are.
     queue: VecDeque<PointBatch>,
     taken: usize,
@@ -88,7 +90,7 @@ pub struct Progressive<B> {
     /// equal depth in a pixel (duplicates, level ground from above) the lowest slot wins; if the
     /// winner moves behind one that lost, only trying the loser again puts the picture right.
     unsettled: bool,
-    /// Points entered the store and no frame has drawn them as fresh yet.
+    /// Insertions that no frame has drawn as fresh yet.
     undrawn: usize,
     memory_full: bool,
     budget: BudgetController,
@@ -107,6 +109,7 @@ impl<B: Backend> Progressive<B> {
             options,
             scene: None,
             stats: Vec::new(),
+            file_colors: Vec::new(),
             queue: VecDeque::new(),
             taken: 0,
             spent: Vec::new(),
@@ -142,6 +145,8 @@ impl<B: Backend> Progressive<B> {
     pub fn open(&mut self, scene: Arc<SceneFacts>) {
         self.backend.reset(scene.points_in_header().min(self.options.max_points));
         self.stats = vec![ColorStats::default(); scene.files.len()];
+        let unseen = ColorStats::default().rule();
+        self.file_colors = scene.files.iter().map(|file| FileColor::new(file.first_record, unseen)).collect();
         self.scene = Some(scene);
         self.spent.extend(self.queue.drain(..));
         self.taken = 0;
@@ -264,9 +269,7 @@ impl<B: Backend> Progressive<B> {
         fresh: bool,
         fill: [std::ops::Range<u32>; 2],
     ) -> Result<(), RenderError> {
-        let files = self.scene.iter().flat_map(|scene| &scene.files);
-        let files =
-            files.zip(&self.stats).map(|(file, stats)| FileColor::new(file.first_record, stats.rule())).collect();
+        let files = self.file_colors.clone();
         // If the frame fails, nothing of it counts as tried or shown.
         self.last_view = None;
         let plan = FramePlan { view: request.view, reproject, fresh, fill, shading: request.shading, files };
@@ -329,7 +332,17 @@ impl<B: Backend> Progressive<B> {
         {
             // Also if the batch will enter only in part: its points need a rule for their colours.
             if self.taken == 0 {
-                self.stats[batch.file as usize].merge(&batch.stats);
+                let file = batch.file as usize;
+                self.stats[file].merge(&batch.stats);
+                self.file_colors[file] = FileColor::new(self.file_colors[file].first_record, self.stats[file].rule());
+            }
+            if self.taken == 0 && self.staged.is_empty() && batch.len() <= wanted {
+                // A whole batch becomes the start of the insertion without a copy.
+                if let Some(mut batch) = self.queue.pop_front() {
+                    std::mem::swap(&mut self.staged, &mut batch);
+                    self.spent.push(batch);
+                }
+                continue;
             }
             let end = batch.len().min(self.taken + wanted - self.staged.len());
             self.staged.positions.extend_from_slice(&batch.positions[self.taken..end]);

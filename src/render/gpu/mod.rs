@@ -181,8 +181,9 @@ impl GpuBackend {
         self.resolve.record(&self.device, encoder, &mut self.timer, targets, &self.store.pages);
     }
 
-    fn record_clear(&self, encoder: &mut wgpu::CommandEncoder, targets: &Targets) {
-        let mut pass = encoder.begin_compute_pass(&Default::default());
+    /// Counts as a part of reprojecting, as on the CPU backend.
+    fn record_clear(&mut self, encoder: &mut wgpu::CommandEncoder, targets: &Targets) {
+        let mut pass = self.timer.compute_pass(encoder, Stage::Reproject);
         pass.set_pipeline(&self.clear);
         pass.set_bind_group(0, &targets.bind_write, &[]);
         kernel::dispatch(&mut pass, targets.pixels());

@@ -131,7 +131,8 @@ impl GpuStore {
         }
     }
 
-    /// Size of the pages of scenes to come; by default as large as the device allows.
+    /// Size of the pages of scenes to come; by default equal parts of what the header promises, within the
+    /// limits of the device and of [`Pages`].
     pub fn set_page_points(&mut self, points: Option<u32>) {
         self.page_points = points;
     }
