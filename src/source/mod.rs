@@ -31,6 +31,7 @@ mod bytes;
 pub(crate) mod chunks;
 pub(crate) mod crs;
 mod error;
+mod fields;
 mod grid;
 pub(crate) mod header;
 mod inputs;
@@ -43,6 +44,7 @@ pub(crate) mod vlr;
 
 pub(crate) use bytes::text;
 pub use error::SourceError;
+pub use fields::Fields;
 pub use inputs::list as list_files;
 pub use report::{FileReport, SourceReport};
 

@@ -18,7 +18,7 @@ use laz::{
     },
 };
 
-use super::{
+use super::super::{
     bytes::{RangeReader, u32_at},
     chunks::{Chunk, LazLayout, layer_count, layered_sizes},
 };
