@@ -39,7 +39,7 @@ pub enum Fed {
 
 impl Feed {
     pub fn files(inputs: &[PathBuf], threads: Option<usize>) -> Feed {
-        Feed::Files(source::open(inputs, OpenOptions { threads, wake: None }))
+        Feed::Files(source::open(inputs, OpenOptions { threads, ..Default::default() }))
     }
 
     /// # Errors
@@ -132,6 +132,7 @@ impl SynthFeed {
                 bounds: generator.bounds(),
                 kind: "from memory".into(),
             }],
+            reader_bound_bytes: 0,
         };
         Ok(SynthFeed { facts: Some(Arc::new(facts)), batches, next: 0, spent, cancel, threads: handles })
     }

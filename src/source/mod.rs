@@ -2,16 +2,18 @@
 //!
 //! [`open`] returns at once; a thread of its own lists the inputs, reads the headers, and starts the
 //! decoder threads. Everything arrives through one bounded channel, in an order that depends on the
-//! files alone and not on thread timing: [`Event::Opened`], then batches in record order, file after
-//! file, then [`Event::Finished`]; or [`Event::Failed`] if nothing could be opened.
+//! files alone and not on thread timing: [`Event::Opened`], then batches (an early view of everything
+//! first: see [`Order`]), then [`Event::Finished`]; or [`Event::Failed`] if nothing could be opened.
 //!
 //! ```text
 //! inputs    files and folders → a list of files
 //! header    one file's header, with its VLRs (vlr, crs), read tolerantly
 //! chunks    where a LAZ file's chunks are
 //! plan      which files, which grid (grid), which record numbers
-//! stream    threads and their order; LAS records, LAZ chunks (laz) → columns (record)
-//! report    what came of it, per file
+//! order     in which order their points are read
+//! stream    threads, and how their results get into that order
+//! work      what a thread does: LAS records, LAZ chunks (laz, kept) → columns (record)
+//! report    what came of it, per file and per thread
 //! ```
 
 use std::{
@@ -35,24 +37,31 @@ mod fields;
 mod grid;
 pub(crate) mod header;
 mod inputs;
+mod kept;
 mod laz;
+mod order;
 mod plan;
 mod record;
 mod report;
 mod stream;
 pub(crate) mod vlr;
+mod work;
 
 pub(crate) use bytes::text;
 pub use error::SourceError;
 pub use fields::Fields;
 pub use inputs::list as list_files;
-pub use report::{FileReport, SourceReport};
+pub use laz::DecoderChoice;
+pub use order::Order;
+pub use report::{FileReport, SourceReport, ThreadTimes};
 
 /// How to read.
 #[derive(Clone, Default)]
 pub struct OpenOptions {
     /// Decoder threads; by default one per core, less one where there are more than two.
     pub threads: Option<usize>,
+    pub order: Order,
+    pub decoder: DecoderChoice,
     /// Called after each event was sent, to wake a window that sleeps. It must not block on whatever
     /// the thread that drops the [`Stream`] holds.
     pub wake: Option<Arc<dyn Fn() + Send + Sync>>,

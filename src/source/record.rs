@@ -3,6 +3,7 @@
 
 use super::{
     bytes::{i32_at, u16_at},
+    fields::Fields,
     grid::Placement,
 };
 use crate::scene::{PointBatch, intensity_bin};
@@ -32,9 +33,15 @@ pub struct RecordReader {
     pub bounds: Option<([i32; 3], [i32; 3])>,
     /// Record number, in the scene, of the file's first point.
     pub first_record: u32,
+    pub fields: Fields,
 }
 
 impl RecordReader {
+    /// Bytes of a batch's columns per point.
+    pub fn bytes_per_point(&self) -> usize {
+        size_of::<[i32; 3]>() + size_of::<[u16; 4]>() + size_of::<u32>()
+    }
+
     /// Appends whole records to a batch; `index` is the first one's number within the file.
     pub fn append(&self, bytes: &[u8], index: u32, batch: &mut PointBatch) -> Oddities {
         let start = batch.len();
@@ -168,7 +175,14 @@ mod tests {
 
     fn reader(record_length: usize, rgb_at: Option<usize>) -> RecordReader {
         let bounds = Some(([0, 0, 0], [100, 100, 100]));
-        RecordReader { record_length, rgb_at, placement: Placement::IDENTITY, bounds, first_record: 1000 }
+        RecordReader {
+            record_length,
+            rgb_at,
+            placement: Placement::IDENTITY,
+            bounds,
+            first_record: 1000,
+            fields: Fields::COLORS,
+        }
     }
 
     /// Records whose every field says which record it is.
