@@ -203,8 +203,6 @@ pub struct SceneFacts {
     /// Union of the headers' boxes. Only a promise: points may lie outside.
     pub bounds: Bounds,
     pub files: Vec<FileFacts>,
-    /// Most heap memory that reading takes at any time, whatever the size of the files.
-    pub reader_bound_bytes: u64,
 }
 
 impl SceneFacts {

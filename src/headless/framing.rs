@@ -69,7 +69,7 @@ mod tests {
             bounds,
             kind: "LAS 1.2, format 0".into(),
         };
-        SceneFacts { grid: Grid { scale: [0.01; 3], origin: [0.0; 3] }, bounds, files: vec![file], reader_bound_bytes: 0 }
+        SceneFacts { grid: Grid { scale: [0.01; 3], origin: [0.0; 3] }, bounds, files: vec![file] }
     }
 
     fn batch(positions: &[[i32; 3]]) -> PointBatch {

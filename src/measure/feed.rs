@@ -132,7 +132,6 @@ impl SynthFeed {
                 bounds: generator.bounds(),
                 kind: "from memory".into(),
             }],
-            reader_bound_bytes: 0,
         };
         Ok(SynthFeed { facts: Some(Arc::new(facts)), batches, next: 0, spent, cancel, threads: handles })
     }

@@ -93,7 +93,7 @@ pub fn make(paths: &[PathBuf], options: &OpenOptions, cancel: &AtomicBool) -> Re
     // An empty file's box is often all zeros: it must not pull the view away.
     let with_points = files.iter().filter(|f| f.points > 0).map(|f| f.bounds);
     let bounds = with_points.reduce(|a, b| a.union(&b)).unwrap_or(files[0].bounds);
-    let facts = SceneFacts { grid, bounds, files: files.iter().map(FilePlan::facts).collect(), reader_bound_bytes: 0 };
+    let facts = SceneFacts { grid, bounds, files: files.iter().map(FilePlan::facts).collect() };
     let failed = errors.into_iter().map(|(path, error)| FileReport::not_opened(path, &error)).collect();
     let tasks = put_in_order(&mut files, options);
     Ok(Plan { facts, files, tasks, failed })

@@ -15,8 +15,8 @@ pub struct SourceReport {
     pub files: Vec<FileReport>,
     /// What each decoder thread did.
     pub threads: Vec<ThreadTimes>,
-    /// Most heap memory that reading could take, whatever the size of the files: see
-    /// [`SceneFacts::reader_bound_bytes`](crate::scene::SceneFacts::reader_bound_bytes).
+    /// Most heap memory that reading takes at any time, whatever the size of the files: batches on their
+    /// way, buffers, kept decoders, lists of chunks.
     pub memory_bound_bytes: u64,
 }
 

@@ -60,7 +60,7 @@ impl Engine {
     /// Reads everything; returns when it is read, or nobody wants it any more.
     pub fn run(self, threads: usize) {
         silence_decoder_panics();
-        let mut plan = match plan::make(&self.inputs, &self.options, &self.cancel) {
+        let plan = match plan::make(&self.inputs, &self.options, &self.cancel) {
             Ok(plan) => plan,
             Err(error) => {
                 self.send(Event::Failed(error));
@@ -68,7 +68,6 @@ impl Engine {
             }
         };
         let memory_bound_bytes = memory_bound(&plan.files, threads);
-        plan.facts.reader_bound_bytes = memory_bound_bytes;
         if !self.send(Event::Opened(Arc::new(plan.facts))) {
             return;
         }
