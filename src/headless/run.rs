@@ -136,7 +136,7 @@ impl Run<'_> {
     /// that there are: how soon something shows is one of the numbers to report.
     fn take_events(&mut self, stream: &Stream) -> Result<(), HeadlessError> {
         while self.source.is_none() && self.progressive.wants_points() {
-            if self.report.frames == 0 && self.progressive.waiting() >= u64::from(self.settings.insertion_points) {
+            if self.report.frames == 0 && self.progressive.waiting() > 0 {
                 break;
             }
             let event = stream.events().recv().map_err(|_| HeadlessError::ReaderEnded)?;

@@ -9,6 +9,8 @@
 //!
 //! The order depends on the files alone, not on threads.
 
+use std::ops::Range;
+
 use super::{
     chunks::{Chunk, LazLayout},
     laz::MAX_CHUNK_BYTES,
@@ -38,7 +40,7 @@ pub struct Task {
 pub enum Part {
     /// LAS: positions in the sequence of samples.
     Samples { start: u32, end: u32 },
-    /// LAS: a block of [`BATCH_POINTS`] records, without the samples in it.
+    /// LAS: as many records as a batch holds, between the samples: see [`FileOrder::block`].
     Block(u32),
     /// LAZ: positions in the sequence of first records, which are stored raw.
     Firsts { start: u32, end: u32 },
@@ -48,46 +50,62 @@ pub enum Part {
     Chunks { start: u32, end: u32 },
 }
 
-/// Records of a LAS file that are read early: `run` of them at every multiple of `stride`.
+/// Records of a LAS file that are read early: `run` of them, then `rest` that are not, `count` times; all
+/// behind that are rest as well.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Samples {
-    pub stride: u64,
     pub run: u64,
+    pub rest: u64,
     pub count: u32,
 }
 
-/// One sample has so many records: 512 cover 98 % of a 64×64 grid with 5 % of a scan in lines, 4,096
-/// cover 67 %; shorter runs cost more reads and gain little.
-const SAMPLE_RECORDS: u64 = 384;
-/// Samples are taken so far apart: 4.7 % of the points.
-const SAMPLE_STRIDE: u64 = 8_192;
+/// Records of one sample: of a scan in lines, runs of 512 cover 98 % of a 64×64 grid with 5 % of its
+/// points, runs of 4,096 cover 67 %; shorter runs cost more reads.
+const SAMPLE_RUN: u64 = 256;
+/// Records from one sample to the next, at least: samples are 3 % of the points. Both numbers divide a
+/// batch, so that all batches are full.
+const SAMPLE_REST: u64 = 8_192;
 /// At most so many samples: a disk that seeks needs 10 ms for each.
 const MAX_SAMPLES: u64 = 4_096;
 /// LAS files with fewer blocks are there before a preview would be.
 const SAMPLED_BLOCKS: u64 = 8;
+const BLOCK: u64 = BATCH_POINTS as u64;
 
 impl Samples {
     fn of(points: u64) -> Option<Samples> {
-        if points < SAMPLED_BLOCKS * BATCH_POINTS as u64 {
+        if points < SAMPLED_BLOCKS * BLOCK {
             return None;
         }
-        let stride = SAMPLE_STRIDE.max(points.div_ceil(MAX_SAMPLES));
-        Some(Samples { stride, run: SAMPLE_RECORDS, count: (points / stride) as u32 })
+        let mut rest = SAMPLE_REST;
+        while points / (SAMPLE_RUN + rest) > MAX_SAMPLES {
+            rest *= 2;
+        }
+        Some(Samples { run: SAMPLE_RUN, rest, count: (points / (SAMPLE_RUN + rest)) as u32 })
     }
 
     /// Records of one sample; all samples lie wholly within the file.
-    pub fn range(&self, sample: u32) -> std::ops::Range<u64> {
-        let start = u64::from(sample) * self.stride;
+    pub fn range(&self, sample: u32) -> Range<u64> {
+        let start = u64::from(sample) * (self.run + self.rest);
         start..start + self.run
     }
 
-    /// The stretches of `start..end` that are in no sample, in order.
-    pub fn rest(&self, start: u64, end: u64) -> impl Iterator<Item = (u64, u64)> {
-        let first = start / self.stride;
-        (first..=end / self.stride).filter_map(move |number| {
-            let sampled = if number < u64::from(self.count) { self.run } else { 0 };
-            let from = start.max(number * self.stride + sampled);
-            let to = end.min((number + 1) * self.stride);
+    fn sampled(&self) -> u64 {
+        self.run * u64::from(self.count)
+    }
+
+    /// Where the rest's record number `number` (counted without samples) lies in the file.
+    fn rest_at(&self, number: u64) -> u64 {
+        number + self.run * (number / self.rest + 1).min(u64::from(self.count))
+    }
+
+    /// The stretches of records `start..end` that are in no sample, in order.
+    pub fn rest_of(&self, start: u64, end: u64) -> impl Iterator<Item = (u64, u64)> {
+        let (run, stride) = (self.run, self.run + self.rest);
+        let count = u64::from(self.count);
+        // What lies behind the last sample is one stretch.
+        (start / stride..=(end / stride).min(count)).filter_map(move |number| {
+            let from = start.max(number * stride + if number < count { run } else { 0 });
+            let to = end.min(if number < count { (number + 1) * stride } else { u64::MAX });
             (from < to).then_some((from, to))
         })
     }
@@ -167,7 +185,7 @@ impl FileOrder {
         }
         let samples = Samples::of(points);
         let sequence: Vec<u32> = bit_reversed(samples.map_or(0, |s| s.count)).collect();
-        let per_task = BATCH_POINTS / SAMPLE_RECORDS as usize;
+        let per_task = BATCH_POINTS / SAMPLE_RUN as usize;
         let early = ranges(sequence.len(), per_task).map(|(start, end)| Part::Samples { start, end }).collect();
         FileOrder {
             samples,
@@ -175,6 +193,14 @@ impl FileOrder {
             phases: [vec![], early, bit_reversed(blocks).map(Part::Block).collect()],
             ..Default::default()
         }
+    }
+
+    /// The records of a LAS file of so many that a block spans, samples included.
+    pub fn block(&self, block: u32, points: u64) -> (u64, u64) {
+        let at = |number: u64| self.samples.map_or(number, |s| s.rest_at(number)).min(points);
+        let start = u64::from(block) * BLOCK;
+        // Up to the last record of its own, not to the first of the next block.
+        (at(start), (at(start + BLOCK - 1) + 1).min(points))
     }
 
     /// A LAZ file's order; `keepable` if its decoders can be kept, `kept` of them at most.
@@ -308,10 +334,9 @@ mod tests {
                     }
                 }
                 Part::Block(block) => {
-                    let start = u64::from(block) * BATCH_POINTS as u64;
-                    let end = points.min(start + BATCH_POINTS as u64);
+                    let (start, end) = file.block(block, points);
                     match file.samples {
-                        Some(samples) => samples.rest(start, end).for_each(|(a, b)| count(a, b)),
+                        Some(samples) => samples.rest_of(start, end).for_each(|(a, b)| count(a, b)),
                         None => count(start, end),
                     }
                 }
@@ -335,10 +360,15 @@ mod tests {
     fn samples_are_few_and_everywhere() {
         for points in [600_000u64, 10_000_000, 4_000_000_000] {
             let samples = Samples::of(points).unwrap();
-            let sampled = u64::from(samples.count) * samples.run;
-            assert!(u64::from(samples.count) <= MAX_SAMPLES && 20 * sampled <= points, "{samples:?}");
+            assert!(u64::from(samples.count) <= MAX_SAMPLES && 30 * samples.sampled() <= points, "{samples:?}");
             let last = samples.range(samples.count - 1);
-            assert!(last.end <= points && points - last.end < 2 * samples.stride);
+            assert!(last.end <= points && points - last.end < 2 * samples.rest);
+            // All blocks but the last fill a batch.
+            let file = FileOrder::of_records(Order::PreviewFirst, points);
+            for block in [0, 1, 5] {
+                let (start, end) = file.block(block, points);
+                assert_eq!(samples.rest_of(start, end).map(|(a, b)| b - a).sum::<u64>(), BLOCK);
+            }
         }
         assert_eq!(Samples::of(500_000), None);
     }

@@ -131,11 +131,10 @@ impl<'a> Worker<'a> {
                 }
             }
             (Part::Block(block), Layout::Las) => {
-                let start = u64::from(block) * BATCH_POINTS as u64;
-                let end = plan.points.min(start + BATCH_POINTS as u64);
+                let span = order.block(block, plan.points);
                 match order.samples {
-                    Some(samples) => self.records(file, (start, end), output, |a, b| samples.rest(a, b)),
-                    None => self.records(file, (start, end), output, |a, b| Some((a, b)).into_iter()),
+                    Some(samples) => self.records(file, span, output, |a, b| samples.rest_of(a, b)),
+                    None => self.records(file, span, output, |a, b| Some((a, b)).into_iter()),
                 }
             }
             (Part::Firsts { start, end }, Layout::Laz(layout)) => {
