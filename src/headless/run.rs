@@ -241,6 +241,10 @@ impl Run<'_> {
         report.bounds = self.facts.as_ref().map(|facts| facts.bounds);
         report.seconds = self.seconds;
         report.peak_memory_bytes = peak_memory_bytes();
+        if let Some(source) = &self.source {
+            report.reader_memory_bound_bytes = Some(source.memory_bound_bytes);
+            report.reader_threads.clone_from(&source.threads);
+        }
         report.picture_sha256 = picture_sha256(picture);
         report
     }
