@@ -176,14 +176,12 @@ pub struct FileOrder {
 impl FileOrder {
     /// A LAS file's order.
     pub fn of_records(order: Order, points: u64) -> FileOrder {
-        let blocks = points.div_ceil(BATCH_POINTS as u64) as u32;
         if order == Order::File {
-            return FileOrder {
-                phases: [vec![], vec![], (0..blocks).map(Part::Block).collect()],
-                ..Default::default()
-            };
+            let blocks = (0..points.div_ceil(BLOCK) as u32).map(Part::Block).collect();
+            return FileOrder { phases: [vec![], vec![], blocks], ..Default::default() };
         }
         let samples = Samples::of(points);
+        let blocks = (points - samples.map_or(0, |s| s.sampled())).div_ceil(BLOCK) as u32;
         let sequence: Vec<u32> = bit_reversed(samples.map_or(0, |s| s.count)).collect();
         let per_task = BATCH_POINTS / SAMPLE_RUN as usize;
         let early = ranges(sequence.len(), per_task).map(|(start, end)| Part::Samples { start, end }).collect();

@@ -1,8 +1,14 @@
 //! Decoding LAZ: from a chunk's compressed bytes to raw point records.
 //!
 //! ```text
-//! reference  the laz crate's decoders: the reference, and what reads streams without chunks
-//! panics     a decoder's panic becomes its chunk's fault
+//! search      a row of 16 rising numbers, searched at once
+//! model       how often each symbol came
+//! coder       the arithmetic decoder: bytes and models → symbols, bits
+//! integer     integers from symbols and bits, by context
+//! sequential  chunks of formats 0 to 5 → raw records
+//! own         these two, given a chunk of a file
+//! reference   the laz crate's decoders: the reference, and what reads streams without chunks
+//! panics      a decoder's panic becomes its chunk's fault
 //! ```
 
 use std::{fs::File, sync::Arc};
@@ -12,8 +18,18 @@ use super::{
     fields::Fields,
 };
 
+mod coder;
+mod integer;
+mod model;
+mod own;
 mod panics;
 mod reference;
+mod search;
+mod sequential;
+#[cfg(test)]
+mod tests;
+
+use sequential::SequentialDecoder;
 
 pub use panics::{DECODER_THREAD, catch, silence_decoder_panics};
 
@@ -86,7 +102,7 @@ pub trait ChunkDecoder: Send {
 
 /// True if chunks of a file can be decoded by decoders that are cheap to keep.
 pub fn keepable(layout: &LazLayout, choice: DecoderChoice) -> bool {
-    choice == DecoderChoice::Own && layout.source != ChunkSource::OneStream
+    choice == DecoderChoice::Own && !layout.is_layered() && layout.source != ChunkSource::OneStream
 }
 
 /// A decoder for a chunk.
@@ -99,7 +115,10 @@ pub fn decoder(
     record_length: usize,
     chunk: &Chunk,
     fields: Fields,
-    _choice: DecoderChoice,
+    choice: DecoderChoice,
 ) -> Result<Box<dyn ChunkDecoder>, String> {
+    if keepable(layout, choice) && chunk.bytes <= MAX_CHUNK_BYTES {
+        return Ok(Box::new(own::SequentialChunk::new(file, chunk, &layout.items)));
+    }
     Ok(Box::new(reference::LazCrateDecoder::new(file, layout, record_length, chunk, fields)?))
 }
