@@ -1,0 +1,31 @@
+//! Searching a row of 16 rising numbers by comparing all of them at once.
+
+use wide::{i8x16, i16x16};
+
+/// Numbers in a row.
+pub(super) const ROW: usize = 16;
+
+/// How many of a row's rising numbers are not above `value`: the place of the first that is, or 16.
+/// All must be below 2^15, to be compared as signed ones, as SSE2 does.
+#[inline]
+pub(super) fn first_above(row: &[u16; ROW], value: u16) -> usize {
+    let row: i16x16 = bytemuck::cast(*row);
+    let above = row.simd_gt(i16x16::splat(value as i16));
+    let above = i8x16::from_i16x16_saturate(above).to_bitmask();
+    (above as u32 | 1 << ROW).trailing_zeros() as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_row_is_searched_alike_by_all() {
+        let row: [u16; ROW] = std::array::from_fn(|i| if i < 13 { (i * i * 150) as u16 } else { 32_767 });
+        for value in 0..32_767 {
+            let right = row.iter().position(|&n| n > value).unwrap_or(ROW);
+            assert_eq!(first_above(&row, value), right, "{value}");
+        }
+        assert_eq!(first_above(&[3; ROW], 3), ROW);
+    }
+}
