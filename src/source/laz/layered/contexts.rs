@@ -1,77 +1,92 @@
 //! What scanner channels do to a layer: each of the four has models and a last value of its own, and
-//! takes both over from another one when its first point comes.
+//! takes the last value over from another one when its first point comes.
 
-use super::super::{coder::Coder, model::Model};
-use super::stream::Layer;
+use super::super::model::Model;
 
-/// Points of a block that follow each other and use the same context.
+/// Which context a point uses: whose models, and whose last value; and whose last value the context
+/// starts with, if this is its first point.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Run {
-    /// Number within the block of the point behind its last one.
-    pub end: usize,
-    /// Whose models are used, and whose last value: 0 to 3.
+pub struct Entry {
     pub context: u8,
     pub last: u8,
-    /// The context whose last value this one starts with, if this is its first run.
     pub from: Option<u8>,
 }
 
-/// What the first layer says about the other layers' points: facts, one per point, and runs.
-pub struct Block<'a> {
-    pub record_length: usize,
-    pub facts: &'a [Facts],
-    pub runs: &'a [Run],
+impl Entry {
+    const BITS: u32 = 7;
+
+    fn packed(self) -> u32 {
+        let from = self.from.map_or(0, |from| 4 | u32::from(from & 3));
+        u32::from(self.context & 3) | u32::from(self.last & 3) << 2 | from << 4
+    }
+
+    #[inline(always)]
+    fn unpacked(bits: u32) -> Entry {
+        let from = (bits >> 4 & 4 != 0).then_some((bits >> 4 & 3) as u8);
+        Entry { context: (bits & 3) as u8, last: (bits >> 2 & 3) as u8, from }
+    }
 }
 
-/// What other layers' contexts need to know of a point.
+/// What the first layer says about a point, and the other layers' contexts need to know.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Facts(u16);
+pub struct Facts(u32);
 
 impl Facts {
-    /// `z_context` is below 20, `level` below 8.
+    /// `changes` as the first layer has them; `level` below 8, `z_context` below 20.
+    #[inline(always)]
     pub fn new(changes: u32, first: bool, last: bool, level: u8, z_context: u32) -> Facts {
         let changed = (changes >> 3) & 7;
         let place = u32::from(first) << 1 | u32::from(last);
-        Facts((changed | place << 3 | u32::from(level & 7) << 5 | (z_context & 31) << 8) as u16)
+        Facts(changed | place << 3 | u32::from(level & 7) << 5 | (z_context & 31) << 8)
     }
 
+    /// With the contexts of the point's own layers, and of the other items'.
+    #[inline(always)]
+    pub fn with_entries(self, point: Entry, item: Entry) -> Facts {
+        Facts(self.0 | point.packed() << 13 | item.packed() << (13 + Entry::BITS))
+    }
+
+    #[inline(always)]
     pub fn angle_changed(self) -> bool {
         self.0 & 1 != 0
     }
 
+    #[inline(always)]
     pub fn time_changed(self) -> bool {
         self.0 & 2 != 0
     }
 
+    #[inline(always)]
     pub fn source_changed(self) -> bool {
         self.0 & 4 != 0
     }
 
     /// 3: single return, 2: first of many, 1: last, 0: between.
+    #[inline(always)]
     pub fn place(self) -> usize {
-        usize::from(self.0 >> 3 & 3)
+        (self.0 >> 3 & 3) as usize
     }
 
     /// Number of returns and return number as one of 8 classes.
+    #[inline(always)]
     pub fn level(self) -> usize {
-        usize::from(self.0 >> 5 & 7)
+        (self.0 >> 5 & 7) as usize
     }
 
+    #[inline(always)]
     pub fn z_context(self) -> u32 {
-        u32::from(self.0 >> 8)
+        self.0 >> 8 & 31
     }
-}
 
-/// A decoder of one layer.
-pub trait Field: Send {
-    /// The most bytes that one point takes: two per symbol, one per raw byte begun.
-    fn most_bytes(&self) -> usize;
+    #[inline(always)]
+    pub fn point(self) -> Entry {
+        Entry::unpacked(self.0 >> 13)
+    }
 
-    /// Decodes a block's points into its records; returns their number, smaller than the block's if
-    /// the bytes ended.
-    fn decode(&mut self, layer: &mut Layer, block: &Block<'_>, records: &mut [u8]) -> usize;
-
-    fn memory_bytes(&self) -> usize;
+    #[inline(always)]
+    pub fn item(self) -> Entry {
+        Entry::unpacked(self.0 >> (13 + Entry::BITS))
+    }
 }
 
 /// What a context holds besides the last value.
@@ -96,38 +111,25 @@ impl<C: Context<V>, V: Copy> Contexts<C, V> {
         Contexts { contexts, last: [first; 4] }
     }
 
-    /// Decodes a block, point by point: `point` gets the context, the last value (to be replaced) and
-    /// the facts, and writes into the record.
+    /// A point's context, and the last value, to be replaced.
     #[inline(always)]
-    pub fn decode(
-        &mut self,
-        layer: &mut Layer,
-        block: &Block<'_>,
-        records: &mut [u8],
-        mut point: impl FnMut(&mut C, &mut V, &mut Coder, &[u8], Facts, &mut [u8]),
-    ) -> usize {
-        let (mut coder, bytes) = layer.take();
-        let mut done = 0;
-        'runs: for run in block.runs {
-            let (context, last) = (usize::from(run.context & 3), usize::from(run.last & 3));
-            if let Some(from) = run.from {
-                self.last[context] = self.last[usize::from(from & 3)];
-                self.contexts[context] = None;
-            }
-            let last = &mut self.last[last];
-            let context = self.contexts[context].get_or_insert_with(|| Box::new(C::start(last)));
-            let Some(facts) = block.facts.get(done..run.end) else { break };
-            let records = records[done * block.record_length..].chunks_exact_mut(block.record_length);
-            for (record, &facts) in records.zip(facts) {
-                point(context, last, &mut coder, bytes, facts, record);
-                if coder.next() > bytes.len() {
-                    break 'runs;
-                }
-                done += 1;
-            }
+    pub fn enter(&mut self, entry: Entry) -> (&mut C, &mut V) {
+        let context = usize::from(entry.context & 3);
+        if entry.from.is_some() || self.contexts[context].is_none() {
+            self.begin(entry);
         }
-        layer.put_back(coder);
-        done
+        let last = &mut self.last[usize::from(entry.last & 3)];
+        (self.contexts[context].get_or_insert_with(|| Box::new(C::start(last))), last)
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn begin(&mut self, entry: Entry) {
+        let context = usize::from(entry.context & 3);
+        if let Some(from) = entry.from {
+            self.last[context] = self.last[usize::from(from & 3)];
+        }
+        self.contexts[context] = Some(Box::new(C::start(&self.last[context])));
     }
 
     pub fn memory_bytes(&self) -> usize {

@@ -1,7 +1,8 @@
 //! Extra bytes: each byte of the record is a layer of its own.
 
-use super::contexts::{Block, Context, Contexts, Field, Lazy, made, models_bytes};
-use super::stream::Layer;
+use super::super::coder::Coder;
+use super::contexts::{Facts, Context, Contexts, Lazy, made, models_bytes};
+use super::stream::{Field, Part};
 
 /// One byte, coded as the difference from the last.
 pub struct ExtraByte {
@@ -27,20 +28,20 @@ impl ExtraByte {
     }
 }
 
-impl Field for ExtraByte {
-    fn most_bytes(&self) -> usize {
-        2
-    }
-
-    fn decode(&mut self, layer: &mut Layer, block: &Block<'_>, records: &mut [u8]) -> usize {
-        let at = self.at;
-        self.contexts.decode(layer, block, records, |model, last, coder, bytes, _, record| {
-            *last = last.wrapping_add(coder.symbol(bytes, made(&mut model.0, 256)) as u8);
-            record[at] = *last;
-        })
-    }
+impl Part for ExtraByte {
+    const MOST_BYTES: usize = 2;
 
     fn memory_bytes(&self) -> usize {
         self.contexts.memory_bytes()
+    }
+}
+
+impl Field for ExtraByte {
+    #[inline(always)]
+    fn step(&mut self, coder: &mut Coder, bytes: &[u8], facts: Facts, record: &mut [u8]) {
+        let at = self.at;
+        let (model, last) = self.contexts.enter(facts.item());
+        *last = last.wrapping_add(coder.symbol(bytes, made(&mut model.0, 256)) as u8);
+        record[at] = *last;
     }
 }

@@ -2,8 +2,8 @@
 //! in one of four sequences that take turns (several flight lines or scanners in one file).
 
 use super::super::{coder::Coder, integer::IntegerDecoder};
-use super::contexts::{Block, Context, Contexts, Field, Lazy, made, models_bytes};
-use super::stream::Layer;
+use super::contexts::{Facts, Context, Contexts, Lazy, made, models_bytes};
+use super::stream::{Field, Part};
 
 /// Symbols of the model that is used after a difference: 0: another difference, 1 to 499: its multiple,
 /// 500: more, 501 to 510: minus the symbol's excess over 500, …
@@ -127,22 +127,22 @@ impl GpsTime {
     }
 }
 
-impl Field for GpsTime {
+impl Part for GpsTime {
     /// A symbol for each change of sequence, and either an integer or a new time.
-    fn most_bytes(&self) -> usize {
-        2 * MOST_SWITCHES + 2 * 2 + 3 + 4
-    }
-
-    fn decode(&mut self, layer: &mut Layer, block: &Block<'_>, records: &mut [u8]) -> usize {
-        self.0.decode(layer, block, records, |sequences, last, coder, bytes, facts, record| {
-            if facts.time_changed() {
-                *last = sequences.next(coder, bytes) as u64;
-            }
-            record[22..30].copy_from_slice(&last.to_le_bytes());
-        })
-    }
+    const MOST_BYTES: usize = 2 * MOST_SWITCHES + 2 * 2 + 3 + 4;
 
     fn memory_bytes(&self) -> usize {
         self.0.memory_bytes()
+    }
+}
+
+impl Field for GpsTime {
+    #[inline(always)]
+    fn step(&mut self, coder: &mut Coder, bytes: &[u8], facts: Facts, record: &mut [u8]) {
+        let (sequences, last) = self.0.enter(facts.point());
+        if facts.time_changed() {
+            *last = sequences.next(coder, bytes) as u64;
+        }
+        record[22..30].copy_from_slice(&last.to_le_bytes());
     }
 }

@@ -22,14 +22,14 @@ use laz::{LazItem, LazItemType};
 
 use super::super::{chunks::layer_count, fields::Fields};
 use super::{Decoded, End};
-use contexts::{Block, Field};
-use position::Position;
-use stream::Layer;
+use lanes::Lanes;
+use stream::AnyLane;
 
 mod color;
 mod contexts;
 mod extra;
 mod gps;
+mod lanes;
 mod point;
 mod position;
 mod stream;
@@ -52,27 +52,11 @@ pub struct LayeredDecoder {
     points: u32,
     /// Records given so far.
     given: u64,
-    position: Option<Wanted<Position>>,
-    others: Vec<Wanted<Other>>,
+    lanes: Option<Box<Lanes>>,
     /// Bytes of the chunk behind its last layer.
     behind: u64,
     /// Why it cannot go on.
     fault: Option<String>,
-}
-
-/// A layer that is decoded.
-struct Wanted<F> {
-    number: usize,
-    range: Range<u64>,
-    layer: Layer,
-    field: F,
-}
-
-/// A layer behind the first.
-struct Other {
-    decoder: Box<dyn Field>,
-    /// True for the items behind the point, whose contexts are not always the scanner channel's.
-    of_item: bool,
 }
 
 impl LayeredDecoder {
@@ -86,8 +70,7 @@ impl LayeredDecoder {
             first: Vec::new(),
             points: 0,
             given: 0,
-            position: None,
-            others: Vec::new(),
+            lanes: None,
             behind: 0,
             fault: Some("no chunk is open".to_owned()),
         }
@@ -107,8 +90,7 @@ impl LayeredDecoder {
     }
 
     fn open_chunk(&mut self, head: &[u8], chunk_bytes: u64) -> Result<(), String> {
-        self.position = None;
-        self.others.clear();
+        self.lanes = None;
         self.given = 0;
         let version = check_items(&self.items)?;
         let needed = Self::head_bytes(&self.items);
@@ -122,34 +104,28 @@ impl LayeredDecoder {
         let mut sizes = sizes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
         self.points = sizes.next().unwrap_or(0);
         let mut end = needed as u64;
-        let mut ranges = sizes.enumerate().map(|(number, size)| {
+        let mut next_range = || {
             let start = end;
-            end += u64::from(size);
-            (number, start..end)
-        });
-
-        let channel = usize::from(first[15] >> 4 & 3);
-        let mut at = 0;
+            end += u64::from(sizes.next().unwrap_or(0));
+            start..end
+        };
+        let mut lanes = Box::new(Lanes::new(first, version, next_range()));
+        let (mut number, mut at) = (0, 0);
         for item in &self.items {
             for part in 0..layer_count(item) {
-                let Some((number, range)) = ranges.next() else { break };
-                if number == 0 {
-                    let field = Position::new(first, version);
-                    self.position = Some(Wanted { number, range, layer: Layer::new(), field });
-                } else if !range.is_empty()
-                    && let Some(decoder) = decoder(item, part, self.fields, first, channel, at)
-                {
-                    let field = Other { decoder, of_item: item.item_type() != LazItemType::Point14 };
-                    self.others.push(Wanted { number, range, layer: Layer::new(), field });
+                let range = if number == 0 { 0..0 } else { next_range() };
+                if !range.is_empty() {
+                    lanes.add((item, part, at), (number, range), self.fields, first);
                 }
+                number += 1;
             }
             at += usize::from(item.size());
         }
-        drop(ranges);
         if end > chunk_bytes {
             return Err(format!("its layers add up to {end} bytes, {chunk_bytes} are there"));
         }
         self.behind = chunk_bytes - end;
+        self.lanes = Some(lanes);
         Ok(())
     }
 
@@ -161,24 +137,21 @@ impl LayeredDecoder {
     /// The layers to load: their numbers within the chunk, and where they are, from its start. Layers
     /// that are empty or not wanted are not among them.
     pub fn layers(&self) -> impl Iterator<Item = (usize, Range<u64>)> {
-        let first = self.position.iter().map(|w| (w.number, w.range.clone()));
-        first.chain(self.others.iter().map(|w| (w.number, w.range.clone())))
+        self.lanes.iter().flat_map(|lanes| lanes.all().map(AnyLane::place))
     }
 
     /// Gives a layer its first bytes, in place of those it had; `complete` if these are all. Numbers
     /// that [`LayeredDecoder::layers`] does not name are ignored.
     pub fn load(&mut self, layer: usize, bytes: Vec<u8>, complete: bool) {
-        let layers = self.position.iter_mut().map(|w| (w.number, &mut w.layer));
-        let mut layers = layers.chain(self.others.iter_mut().map(|w| (w.number, &mut w.layer)));
-        if let Some((_, found)) = layers.find(|(number, _)| *number == layer) {
-            found.load(bytes, complete);
+        let mut lanes = self.lanes.iter_mut().flat_map(|lanes| lanes.all_mut());
+        if let Some(lane) = lanes.find(|lane| lane.place().0 == layer) {
+            lane.load(bytes, complete);
         }
     }
 
     /// Puts all layers' bytes into `spare`, for reuse. Decoding goes on once they are loaded again.
     pub fn unload(&mut self, spare: &mut Vec<Vec<u8>>) {
-        spare.extend(self.position.iter_mut().map(|w| w.layer.unload()));
-        spare.extend(self.others.iter_mut().map(|w| w.layer.unload()));
+        spare.extend(self.lanes.iter_mut().flat_map(|lanes| lanes.all_mut().map(AnyLane::unload)));
     }
 
     /// Writes the next records into a buffer of whole records. It ends early, without a fault, where a
@@ -186,7 +159,7 @@ impl LayeredDecoder {
     /// bytes end. It does not end at [`LayeredDecoder::points`]: how many to ask for is the caller's to know.
     pub fn decode(&mut self, records: &mut [u8]) -> Decoded {
         let length = self.record_length;
-        let Some(position) = self.position.as_mut().filter(|_| self.fault.is_none()) else {
+        let Some(lanes) = self.lanes.as_mut().filter(|_| self.fault.is_none()) else {
             return Decoded { records: 0, end: End::Fault(self.fault.clone().unwrap_or_default()) };
         };
         let wanted = records.len() / length;
@@ -197,31 +170,17 @@ impl LayeredDecoder {
         }
         let mut end = End::Filled;
         while done < wanted {
-            let mut room = position.layer.room(position::MOST_BYTES);
-            for other in &mut self.others {
-                room = room.min(other.layer.room(other.field.decoder.most_bytes()));
-            }
-            let block = BLOCK.min(wanted - done).min(room);
+            let block = BLOCK.min(wanted - done).min(lanes.room());
             if block == 0 {
                 end = End::NeedsBytes;
                 break;
             }
             let records = &mut records[done * length..(done + block) * length];
             records.chunks_exact_mut(length).for_each(|record| record.copy_from_slice(&self.first));
-            let mut good = position.field.decode(&mut position.layer, length, records);
-            let mut short = (good < block).then_some(position.number);
-            let (runs, item_runs, facts) = position.field.block();
-            for other in &mut self.others {
-                let runs = if other.field.of_item { item_runs } else { runs };
-                let block = Block { record_length: length, facts, runs };
-                let decoded = other.field.decoder.decode(&mut other.layer, &block, records);
-                if decoded < good {
-                    (good, short) = (decoded, Some(other.number));
-                }
-            }
+            let good = lanes.decode(records, length);
             done += good;
-            if let Some(number) = short {
-                let fault = format!("the bytes of its layer {number} end early");
+            if good < block {
+                let fault = "the bytes of a layer end early".to_owned();
                 self.fault = Some(fault.clone());
                 end = End::Fault(fault);
                 break;
@@ -235,19 +194,15 @@ impl LayeredDecoder {
     /// of an undamaged chunk, because an encoder ends a layer with exactly the bytes that a decoder has
     /// read by then.
     pub fn unused(&self) -> u64 {
-        let left = |range: &Range<u64>, layer: &Layer| (range.end - range.start).saturating_sub(layer.read());
-        let first: u64 = self.position.iter().map(|w| left(&w.range, &w.layer)).sum();
-        first + self.others.iter().map(|w| left(&w.range, &w.layer)).sum::<u64>() + self.behind
+        let unread: u64 = self.lanes.iter().flat_map(|lanes| lanes.all().map(AnyLane::unread)).sum();
+        unread + self.behind
     }
 
     /// Heap bytes, without the loaded bytes.
     pub fn memory_bytes(&self) -> usize {
-        let others = self.others.iter().map(|w| size_of_val(&*w.field.decoder) + w.field.decoder.memory_bytes());
         self.first.capacity()
             + self.items.capacity() * size_of::<LazItem>()
-            + self.others.capacity() * size_of::<Wanted<Other>>()
-            + others.sum::<usize>()
-            + self.position.as_ref().map_or(0, |w| w.field.memory_bytes())
+            + self.lanes.as_ref().map_or(0, |lanes| lanes.memory_bytes())
     }
 }
 
@@ -274,39 +229,4 @@ fn check_items(items: &[LazItem]) -> Result<u16, String> {
         }
     }
     if (3..=4).contains(&version) { Ok(version) } else { Err(format!("version {version} is not of layered items")) }
-}
-
-/// The decoder of an item's layer, if its field is wanted.
-fn decoder(
-    item: &LazItem,
-    part: usize,
-    fields: Fields,
-    first: &[u8],
-    channel: usize,
-    at: usize,
-) -> Option<Box<dyn Field>> {
-    let wanted = |wanted: bool, field: fn(&[u8], usize) -> Box<dyn Field>| wanted.then(|| field(first, channel));
-    match (item.item_type(), part) {
-        (LazItemType::Point14, 1) => wanted(true, |f, c| Box::new(point::Z::new(f, c))),
-        (LazItemType::Point14, 2) => {
-            wanted(fields.classification, |f, c| Box::new(point::Classification::new(f, c)))
-        }
-        (LazItemType::Point14, 3) => wanted(fields.returns, |f, c| Box::new(point::Flags::new(f, c))),
-        (LazItemType::Point14, 4) => wanted(fields.intensity, |f, c| Box::new(point::Intensity::new(f, c))),
-        (LazItemType::Point14, 5) => wanted(fields.scan_angle, |f, c| Box::new(point::ScanAngle::new(f, c))),
-        (LazItemType::Point14, 6) => wanted(fields.user_data, |f, c| Box::new(point::UserData::new(f, c))),
-        (LazItemType::Point14, 7) => wanted(fields.point_source, |f, c| Box::new(point::PointSource::new(f, c))),
-        (LazItemType::Point14, 8) => wanted(fields.gps_time, |f, c| Box::new(gps::GpsTime::new(f, c))),
-        (LazItemType::RGB14 | LazItemType::RGBNIR14, 0) if fields.rgb => {
-            Some(Box::new(color::Rgb::new(first, channel, at)))
-        }
-        (LazItemType::RGBNIR14, 1) if fields.nir => Some(Box::new(color::Nir::new(first, channel, at + 6))),
-        (LazItemType::WavePacket14, _) if fields.wave_packet => {
-            Some(Box::new(wave::WavePacket::new(first, channel, at)))
-        }
-        (LazItemType::Byte14(_), byte) if fields.extra_bytes => {
-            Some(Box::new(extra::ExtraByte::new(first, channel, at + byte)))
-        }
-        _ => None,
-    }
 }

@@ -1,9 +1,9 @@
 //! The layers of the point itself behind the first: Z, classification, flags, intensity, scan angle,
 //! user data and point source.
 
-use super::super::integer::IntegerDecoder;
-use super::contexts::{Block, Context, Contexts, Field, Lazy, made, models_bytes, put_i32, put_u16};
-use super::stream::Layer;
+use super::super::{coder::Coder, integer::IntegerDecoder};
+use super::contexts::{Facts, Context, Contexts, Lazy, made, models_bytes, put_i32, put_u16};
+use super::stream::{Field, Part};
 
 /// Bytes of an integer: two symbols, and raw bits beyond eight.
 const INTEGER_32_BYTES: usize = 2 * 2 + 3;
@@ -33,22 +33,22 @@ impl Z {
     }
 }
 
-impl Field for Z {
-    fn most_bytes(&self) -> usize {
-        INTEGER_32_BYTES
-    }
-
-    fn decode(&mut self, layer: &mut Layer, block: &Block<'_>, records: &mut [u8]) -> usize {
-        self.0.decode(layer, block, records, |context, last, coder, bytes, facts, record| {
-            let level = &mut context.levels[facts.level()];
-            *last = context.integers.decode(coder, bytes, *level, facts.z_context().min(19));
-            *level = *last;
-            put_i32(record, 8, *last);
-        })
-    }
+impl Part for Z {
+    const MOST_BYTES: usize = INTEGER_32_BYTES;
 
     fn memory_bytes(&self) -> usize {
         self.0.memory_bytes()
+    }
+}
+
+impl Field for Z {
+    #[inline(always)]
+    fn step(&mut self, coder: &mut Coder, bytes: &[u8], facts: Facts, record: &mut [u8]) {
+        let (context, last) = self.0.enter(facts.point());
+        let level = &mut context.levels[facts.level()];
+        *last = context.integers.decode(coder, bytes, *level, facts.z_context().min(19));
+        *level = *last;
+        put_i32(record, 8, *last);
     }
 }
 
@@ -74,21 +74,21 @@ impl Classification {
     }
 }
 
-impl Field for Classification {
-    fn most_bytes(&self) -> usize {
-        2
-    }
-
-    fn decode(&mut self, layer: &mut Layer, block: &Block<'_>, records: &mut [u8]) -> usize {
-        self.0.decode(layer, block, records, |models, last, coder, bytes, facts, record| {
-            let context = usize::from(*last & 31) << 1 | usize::from(facts.place() == 3);
-            *last = coder.symbol(bytes, made(&mut models.0[context], 256)) as u8;
-            record[16] = *last;
-        })
-    }
+impl Part for Classification {
+    const MOST_BYTES: usize = 2;
 
     fn memory_bytes(&self) -> usize {
         self.0.memory_bytes()
+    }
+}
+
+impl Field for Classification {
+    #[inline(always)]
+    fn step(&mut self, coder: &mut Coder, bytes: &[u8], facts: Facts, record: &mut [u8]) {
+        let (models, last) = self.0.enter(facts.point());
+        let context = usize::from(*last & 31) << 1 | usize::from(facts.place() == 3);
+        *last = coder.symbol(bytes, made(&mut models.0[context], 256)) as u8;
+        record[16] = *last;
     }
 }
 
@@ -101,21 +101,21 @@ impl Flags {
     }
 }
 
-impl Field for Flags {
-    fn most_bytes(&self) -> usize {
-        2
-    }
-
-    fn decode(&mut self, layer: &mut Layer, block: &Block<'_>, records: &mut [u8]) -> usize {
-        self.0.decode(layer, block, records, |models, last, coder, bytes, _, record| {
-            *last = coder.symbol(bytes, made(&mut models.0[usize::from(*last & 63)], 64)) as u8;
-            // Between them in the record is the scanner channel.
-            record[15] = record[15] & 0x30 | *last & 15 | (*last & 0x30) << 2;
-        })
-    }
+impl Part for Flags {
+    const MOST_BYTES: usize = 2;
 
     fn memory_bytes(&self) -> usize {
         self.0.memory_bytes()
+    }
+}
+
+impl Field for Flags {
+    #[inline(always)]
+    fn step(&mut self, coder: &mut Coder, bytes: &[u8], facts: Facts, record: &mut [u8]) {
+        let (models, last) = self.0.enter(facts.point());
+        *last = coder.symbol(bytes, made(&mut models.0[usize::from(*last & 63)], 64)) as u8;
+        // Between them in the record is the scanner channel.
+        record[15] = record[15] & 0x30 | *last & 15 | (*last & 0x30) << 2;
     }
 }
 
@@ -143,22 +143,22 @@ impl Intensity {
     }
 }
 
-impl Field for Intensity {
-    fn most_bytes(&self) -> usize {
-        INTEGER_16_BYTES
-    }
-
-    fn decode(&mut self, layer: &mut Layer, block: &Block<'_>, records: &mut [u8]) -> usize {
-        self.0.decode(layer, block, records, |context, last, coder, bytes, facts, record| {
-            let place = &mut context.places[facts.place() << 1 | usize::from(facts.time_changed())];
-            *last = context.integers.decode(coder, bytes, i32::from(*place), facts.place() as u32) as u16;
-            *place = *last;
-            put_u16(record, 12, *last);
-        })
-    }
+impl Part for Intensity {
+    const MOST_BYTES: usize = INTEGER_16_BYTES;
 
     fn memory_bytes(&self) -> usize {
         self.0.memory_bytes()
+    }
+}
+
+impl Field for Intensity {
+    #[inline(always)]
+    fn step(&mut self, coder: &mut Coder, bytes: &[u8], facts: Facts, record: &mut [u8]) {
+        let (context, last) = self.0.enter(facts.point());
+        let place = &mut context.places[facts.place() << 1 | usize::from(facts.time_changed())];
+        *last = context.integers.decode(coder, bytes, i32::from(*place), facts.place() as u32) as u16;
+        *place = *last;
+        put_u16(record, 12, *last);
     }
 }
 
@@ -170,7 +170,7 @@ struct Integers<const N: u32>(IntegerDecoder);
 
 impl<const N: u32> Context<u16> for Integers<N> {
     fn start(_: &u16) -> Self {
-        Integers(IntegerDecoder::new(16, N))
+        Integers(IntegerDecoder::new(16, N as usize))
     }
 
     fn memory_bytes(&self) -> usize {
@@ -184,24 +184,24 @@ impl ScanAngle {
     }
 }
 
-impl Field for ScanAngle {
-    fn most_bytes(&self) -> usize {
-        INTEGER_16_BYTES
-    }
-
-    fn decode(&mut self, layer: &mut Layer, block: &Block<'_>, records: &mut [u8]) -> usize {
-        self.0.decode(layer, block, records, |integers, last, coder, bytes, facts, record| {
-            if facts.angle_changed() {
-                // Signed: a prediction below zero is kept as such.
-                let before = i32::from(*last as i16);
-                *last = integers.0.decode(coder, bytes, before, u32::from(facts.time_changed())) as u16;
-            }
-            put_u16(record, 18, *last);
-        })
-    }
+impl Part for ScanAngle {
+    const MOST_BYTES: usize = INTEGER_16_BYTES;
 
     fn memory_bytes(&self) -> usize {
         self.0.memory_bytes()
+    }
+}
+
+impl Field for ScanAngle {
+    #[inline(always)]
+    fn step(&mut self, coder: &mut Coder, bytes: &[u8], facts: Facts, record: &mut [u8]) {
+        let (integers, last) = self.0.enter(facts.point());
+        if facts.angle_changed() {
+            // Signed: a prediction below zero is kept as such.
+            let before = i32::from(*last as i16);
+            *last = integers.0.decode(coder, bytes, before, u32::from(facts.time_changed())) as u16;
+        }
+        put_u16(record, 18, *last);
     }
 }
 
@@ -214,20 +214,20 @@ impl UserData {
     }
 }
 
-impl Field for UserData {
-    fn most_bytes(&self) -> usize {
-        2
-    }
-
-    fn decode(&mut self, layer: &mut Layer, block: &Block<'_>, records: &mut [u8]) -> usize {
-        self.0.decode(layer, block, records, |models, last, coder, bytes, _, record| {
-            *last = coder.symbol(bytes, made(&mut models.0[usize::from(*last / 4)], 256)) as u8;
-            record[17] = *last;
-        })
-    }
+impl Part for UserData {
+    const MOST_BYTES: usize = 2;
 
     fn memory_bytes(&self) -> usize {
         self.0.memory_bytes()
+    }
+}
+
+impl Field for UserData {
+    #[inline(always)]
+    fn step(&mut self, coder: &mut Coder, bytes: &[u8], facts: Facts, record: &mut [u8]) {
+        let (models, last) = self.0.enter(facts.point());
+        *last = coder.symbol(bytes, made(&mut models.0[usize::from(*last / 4)], 256)) as u8;
+        record[17] = *last;
     }
 }
 
@@ -240,21 +240,21 @@ impl PointSource {
     }
 }
 
-impl Field for PointSource {
-    fn most_bytes(&self) -> usize {
-        INTEGER_16_BYTES
-    }
-
-    fn decode(&mut self, layer: &mut Layer, block: &Block<'_>, records: &mut [u8]) -> usize {
-        self.0.decode(layer, block, records, |integers, last, coder, bytes, facts, record| {
-            if facts.source_changed() {
-                *last = integers.0.decode(coder, bytes, i32::from(*last), 0) as u16;
-            }
-            put_u16(record, 20, *last);
-        })
-    }
+impl Part for PointSource {
+    const MOST_BYTES: usize = INTEGER_16_BYTES;
 
     fn memory_bytes(&self) -> usize {
         self.0.memory_bytes()
+    }
+}
+
+impl Field for PointSource {
+    #[inline(always)]
+    fn step(&mut self, coder: &mut Coder, bytes: &[u8], facts: Facts, record: &mut [u8]) {
+        let (integers, last) = self.0.enter(facts.point());
+        if facts.source_changed() {
+            *last = integers.0.decode(coder, bytes, i32::from(*last), 0) as u16;
+        }
+        put_u16(record, 20, *last);
     }
 }

@@ -2,12 +2,9 @@
 //! take their contexts from here.
 
 use super::super::{coder::Coder, integer::IntegerDecoder};
-use super::contexts::{Facts, Lazy, Run, made, models_bytes, put_i32};
-use super::stream::Layer;
+use super::contexts::{Entry, Facts, Lazy, made, models_bytes, put_i32};
+use super::stream::Part;
 use super::tables::{RETURN_LEVEL, RETURN_MAP};
-
-/// Bytes that one point takes at most: four symbols, and for X and Y two symbols and 23 raw bits each.
-pub const MOST_BYTES: usize = 4 * 2 + 2 * (4 + 3);
 
 /// Models and last values of a scanner channel.
 struct Channel {
@@ -108,10 +105,6 @@ pub struct Position {
     channels: [Option<Box<Channel>>; 4],
     current: u8,
     items: ItemContexts,
-    /// The block's runs, by channel for the point's own layers and by context for the other items.
-    runs: Vec<Run>,
-    item_runs: Vec<Run>,
-    facts: Vec<Facts>,
 }
 
 impl Position {
@@ -121,78 +114,41 @@ impl Position {
         let current = first[15] >> 4 & 3;
         let mut channels = [const { None }; 4];
         channels[usize::from(current)] = Some(Box::new(Channel::new(i32_at(0), i32_at(4), first[14])));
-        Position {
-            channels,
-            current,
-            items: ItemContexts::new(current, version),
-            runs: Vec::new(),
-            item_runs: Vec::new(),
-            facts: Vec::new(),
+        Position { channels, current, items: ItemContexts::new(current, version) }
+    }
+
+    /// Decodes the next point's X, Y, returns and channel into its record.
+    #[inline(always)]
+    pub fn step(&mut self, coder: &mut Coder, bytes: &[u8], record: &mut [u8]) -> Facts {
+        let mut entry = Entry { context: self.current, last: self.current, from: None };
+        let mut channel =
+            self.channels[usize::from(self.current & 3)].get_or_insert_with(|| Box::new(Channel::new(0, 0, 0)));
+        let changes = channel.changes(coder, bytes);
+        let switched = changes & 64 != 0;
+        if switched {
+            let step = coder.symbol(bytes, made(&mut channel.channel, 3));
+            let next = (self.current + step as u8 + 1) & 3;
+            let (x, y, returns) = (channel.x, channel.y, channel.returns);
+            let slot = &mut self.channels[usize::from(next)];
+            entry = Entry { context: next, last: next, from: slot.is_none().then_some(self.current) };
+            channel = slot.get_or_insert_with(|| Box::new(Channel::new(x, y, returns)));
+            self.current = next;
         }
+        let facts = channel.decode(coder, bytes, changes);
+        put_i32(record, 0, channel.x);
+        put_i32(record, 4, channel.y);
+        record[14] = channel.returns;
+        record[15] = record[15] & !0x30 | self.current << 4;
+        facts.with_entries(entry, self.items.next(self.current, switched))
     }
+}
 
-    /// The block's runs of channels, of item contexts, and its facts.
-    pub fn block(&self) -> (&[Run], &[Run], &[Facts]) {
-        (&self.runs, &self.item_runs, &self.facts)
-    }
+impl Part for Position {
+    /// Four symbols, and for X and Y two symbols and 23 raw bits each.
+    const MOST_BYTES: usize = 4 * 2 + 2 * (2 * 2 + 3);
 
-    /// Decodes a block's X, Y, returns and channels into its records; returns the points decoded, fewer
-    /// than there are records if the bytes ended.
-    pub fn decode(&mut self, layer: &mut Layer, record_length: usize, records: &mut [u8]) -> usize {
-        self.runs.clear();
-        self.item_runs.clear();
-        self.facts.clear();
-        let (mut coder, bytes) = layer.take();
-        let mut run = Run { end: 0, context: self.current, last: self.current, from: None };
-        let mut item_run = None;
-        for record in records.chunks_exact_mut(record_length) {
-            let done = self.facts.len();
-            let mut channel = self.channels[usize::from(self.current & 3)]
-                .get_or_insert_with(|| Box::new(Channel::new(0, 0, 0)));
-            let changes = channel.changes(&mut coder, bytes);
-            let switched = changes & 64 != 0;
-            if switched {
-                let step = coder.symbol(bytes, made(&mut channel.channel, 3));
-                let next = (self.current + step as u8 + 1) & 3;
-                let (x, y, returns) = (channel.x, channel.y, channel.returns);
-                let slot = &mut self.channels[usize::from(next)];
-                let from = slot.is_none().then_some(self.current);
-                channel = slot.get_or_insert_with(|| Box::new(Channel::new(x, y, returns)));
-                if done > 0 {
-                    self.runs.push(Run { end: done, ..run });
-                }
-                run = Run { end: 0, context: next, last: next, from };
-                self.current = next;
-            }
-            let facts = channel.decode(&mut coder, bytes, changes);
-            if coder.next() > bytes.len() {
-                break;
-            }
-            put_i32(record, 0, channel.x);
-            put_i32(record, 4, channel.y);
-            record[14] = channel.returns;
-            record[15] = record[15] & !0x30 | self.current << 4;
-            let of_items = self.items.next(self.current, switched);
-            if item_run != Some(of_items) {
-                if let Some(before) = item_run {
-                    self.item_runs.push(Run { end: done, ..before });
-                }
-                item_run = Some(of_items);
-            }
-            self.facts.push(facts);
-        }
-        layer.put_back(coder);
-        let done = self.facts.len();
-        self.runs.push(Run { end: done, ..run });
-        self.item_runs.extend(item_run.map(|run| Run { end: done, ..run }));
-        done
-    }
-
-    pub fn memory_bytes(&self) -> usize {
-        let channels = self.channels.iter().flatten().map(|c| size_of::<Channel>() + c.memory_bytes());
-        channels.sum::<usize>()
-            + (self.runs.capacity() + self.item_runs.capacity()) * size_of::<Run>()
-            + self.facts.capacity() * size_of::<Facts>()
+    fn memory_bytes(&self) -> usize {
+        self.channels.iter().flatten().map(|c| size_of::<Channel>() + c.memory_bytes()).sum()
     }
 }
 
@@ -214,18 +170,17 @@ impl ItemContexts {
         ItemContexts { version, context: channel, used }
     }
 
-    /// The next point's contexts, as a run without an end.
-    #[inline]
-    fn next(&mut self, channel: u8, switched: bool) -> Run {
+    #[inline(always)]
+    fn next(&mut self, channel: u8, switched: bool) -> Entry {
         let context = if self.version == 3 && !switched { 0 } else { channel };
         let left = self.context;
         if context == left {
-            return Run { end: 0, context, last: context, from: None };
+            return Entry { context, last: context, from: None };
         }
         self.context = context;
         let used = std::mem::replace(&mut self.used[usize::from(context & 3)], true);
         let last = if used && self.version == 3 { left } else { context };
-        Run { end: 0, context, last, from: (!used).then_some(left) }
+        Entry { context, last, from: (!used).then_some(left) }
     }
 }
 

@@ -1,8 +1,8 @@
 //! Wave packets: descriptor, offset and size of the waveform, return point, and direction.
 
 use super::super::{coder::Coder, integer::IntegerDecoder};
-use super::contexts::{Block, Context, Contexts, Field, Lazy, made, models_bytes};
-use super::stream::Layer;
+use super::contexts::{Facts, Context, Contexts, Lazy, made, models_bytes};
+use super::stream::{Field, Part};
 
 /// Bytes of a packet in a record.
 const PACKET_BYTES: usize = 29;
@@ -104,21 +104,21 @@ impl WavePacket {
     }
 }
 
-impl Field for WavePacket {
+impl Part for WavePacket {
     /// Two symbols, an offset of 8 bytes, five integers.
-    fn most_bytes(&self) -> usize {
-        2 * 2 + 8 + 5 * (2 * 2 + 3)
-    }
-
-    fn decode(&mut self, layer: &mut Layer, block: &Block<'_>, records: &mut [u8]) -> usize {
-        let at = self.at;
-        self.contexts.decode(layer, block, records, |models, last, coder, bytes, _, record| {
-            *last = models.next(last, coder, bytes);
-            last.write(&mut record[at..at + PACKET_BYTES]);
-        })
-    }
+    const MOST_BYTES: usize = 2 * 2 + 8 + 5 * (2 * 2 + 3);
 
     fn memory_bytes(&self) -> usize {
         self.contexts.memory_bytes()
+    }
+}
+
+impl Field for WavePacket {
+    #[inline(always)]
+    fn step(&mut self, coder: &mut Coder, bytes: &[u8], facts: Facts, record: &mut [u8]) {
+        let at = self.at;
+        let (models, last) = self.contexts.enter(facts.item());
+        *last = models.next(last, coder, bytes);
+        last.write(&mut record[at..at + PACKET_BYTES]);
     }
 }
