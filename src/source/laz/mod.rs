@@ -1,11 +1,12 @@
 //! Decoding LAZ: from a chunk's compressed bytes to raw point records.
 //!
 //! ```text
-//! search     a row of 16 rising numbers, searched at once
-//! model      how often each symbol came
-//! coder      the arithmetic decoder: bytes and models → symbols, bits
-//! integer    integers from symbols and bits, by context
-//! reference  the laz crate's decoders: the reference, and what reads streams without chunks
+//! search      a row of 16 rising numbers, searched at once
+//! model       how often each symbol came
+//! coder       the arithmetic decoder: bytes and models → symbols, bits
+//! integer     integers from symbols and bits, by context
+//! sequential  chunks of formats 0 to 5 → raw records
+//! reference   the laz crate's decoders: the reference, and what reads streams without chunks
 //! ```
 
 pub mod coder;
@@ -13,7 +14,28 @@ pub mod integer;
 pub mod model;
 mod reference;
 mod search;
+pub mod sequential;
 #[cfg(test)]
 mod tests;
 
 pub use reference::{ChunkEnd, DECODER_THREAD, decode_chunk, silence_decoder_panics, take_panic};
+pub use sequential::SequentialDecoder;
+
+/// What a call to decode a chunk's next points came to.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Decoded {
+    /// Whole records that were written.
+    pub records: usize,
+    pub end: End,
+}
+
+/// Why decoding stopped.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum End {
+    /// All that was asked for is there.
+    Filled,
+    /// The next point may need bytes that are not loaded.
+    NeedsBytes,
+    /// The chunk makes no sense from here on; what it is.
+    Fault(String),
+}
