@@ -5,7 +5,7 @@
 //! part of the one that was written. Bit for bit the `laz` crate's `ArithmeticDecoder`, but bytes come
 //! in without a branch: whether a symbol ends a byte is as good as random.
 
-use super::model::{BitModel, Model};
+use super::model::{BitModel, Model, REST, Share};
 
 /// Intervals at least this long are not stretched.
 const SHORTEST: u32 = 1 << 24;
@@ -34,18 +34,30 @@ impl Coder {
     }
 
     /// Decodes a symbol of a model, and the model learns it.
-    #[inline]
+    #[inline(always)]
     pub fn symbol(&mut self, bytes: &[u8], model: &mut Model) -> u32 {
         let unit = self.length >> 15;
-        let scaled = self.value.checked_div(unit).unwrap_or(0);
-        let (symbol, start, end) = model.find(scaled);
-        let start = start * unit;
-        let end = end.map_or(self.length, |end| end * unit);
+        let guess = self.interval(unit, model.guess);
+        // A guess is checked without a division and a search: as good as free when it is right.
+        let (share, (start, length)) = if self.value.wrapping_sub(guess.0) < guess.1 {
+            (model.guess, guess)
+        } else {
+            let share = model.find(self.value.checked_div(unit).unwrap_or(0));
+            (share, self.interval(unit, share))
+        };
         self.value = self.value.wrapping_sub(start);
-        self.length = end - start;
+        self.length = length;
         self.stretch(bytes);
-        model.count(symbol);
-        symbol
+        model.count(share.symbol);
+        share.symbol.into()
+    }
+
+    /// Where a share starts, and its length.
+    #[inline(always)]
+    fn interval(&self, unit: u32, share: Share) -> (u32, u32) {
+        let start = u32::from(share.start) * unit;
+        let end = if share.end == REST { self.length } else { u32::from(share.end) * unit };
+        (start, end - start)
     }
 
     /// Decodes a bit of a model, and the model learns it.

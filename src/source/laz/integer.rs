@@ -63,7 +63,8 @@ impl IntegerDecoder {
                 };
                 // [0, 2^k) stands for what has just k bits: [1 − 2^k, −2^(k−1)] and (2^(k−1), 2^k].
                 let c = c as i32;
-                if c >= 1 << (k - 1) { c.wrapping_add(1) } else { c.wrapping_sub(((1u32 << k) - 1) as i32) }
+                // Without a branch: which half it is, nobody can predict.
+                c.wrapping_add(1).wrapping_sub(i32::from(c < 1 << (k - 1)) << k)
             }
         };
         let real = pred.wrapping_add(difference);

@@ -6,10 +6,13 @@
 //! than one row have a row of rows above it: no decoder table to rebuild at each update, and no
 //! bisection, whose branches nobody can predict.
 
-use super::search::{ROW, first_above};
+use super::search::{FLAT, ROW, first_above, first_above_of_four};
 
 /// Counts are halved when their sum passes this; a distribution is in these units, too.
 const TOTAL: u32 = 1 << 15;
+
+/// A symbol that came at least once in so many times is guessed first.
+const GOOD_GUESS: u32 = 3;
 
 /// Above every value that is searched for.
 const NEVER: u16 = i16::MAX as u16;
@@ -17,7 +20,7 @@ const NEVER: u16 = i16::MAX as u16;
 /// An adaptive model of 2 to 2,048 symbols.
 #[derive(Debug, Clone)]
 pub struct Model {
-    /// Upper rows (the first entry of each lower row; none if there is but one), lower rows (the
+    /// Upper rows (the first entry of each lower row; none up to 64 symbols), lower rows (the
     /// distribution: the share of all symbols below this one), and the counts. What is no symbol's is
     /// `NEVER` (0 in counts).
     slab: Box<[[u16; ROW]]>,
@@ -29,14 +32,32 @@ pub struct Model {
     cycle: u16,
     /// Sum of the counts at the last update, at most `TOTAL`.
     total: u16,
+    /// The symbol that came most, where its share starts and ends; if that is too small for a good
+    /// guess, a share of nothing.
+    pub(super) guess: Share,
 }
+
+/// A symbol's part of the interval, in units of 1/32,768 of it.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Share {
+    pub(super) symbol: u16,
+    pub(super) start: u16,
+    /// `REST` for the last symbol, whose share goes on to the very end of the interval.
+    pub(super) end: u16,
+}
+
+/// The end of the last symbol's share.
+pub(super) const REST: u16 = 1 << 15;
 
 impl Model {
     /// A model of so many symbols, all as likely as each other.
     pub fn new(symbols: u32) -> Model {
         let symbols = symbols.clamp(2, 2048) as usize;
-        let rows = symbols.div_ceil(ROW);
-        let upper = if rows == 1 { 0 } else { rows.div_ceil(ROW) };
+        let (upper, rows) = match symbols.div_ceil(ROW) {
+            1 => (0, 1),
+            2..=FLAT => (0, FLAT),
+            rows => (rows.div_ceil(ROW), rows),
+        };
         let mut slab = vec![[NEVER; ROW]; upper + 2 * rows].into_boxed_slice();
         let counts = slab[upper + rows..].as_flattened_mut();
         counts[..symbols].fill(1);
@@ -49,6 +70,7 @@ impl Model {
             until_update: 0,
             cycle: symbols as u16,
             total: 0,
+            guess: Share::default(),
         };
         model.update();
         model.cycle = (symbols as u16 + 6) >> 1;
@@ -56,47 +78,52 @@ impl Model {
         model
     }
 
-    /// The symbol whose share holds `scaled` (a value in units of 1/32,768 of the interval), where it
-    /// starts, and where the next one starts; `None` for the last symbol, which gets all the rest.
-    #[inline]
-    pub(super) fn find(&self, scaled: u32) -> (u32, u32, Option<u32>) {
+    /// The share that holds `scaled`, a value in units of 1/32,768 of the interval.
+    #[inline(always)]
+    pub(super) fn find(&self, scaled: u32) -> Share {
         if scaled >= u32::from(NEVER) {
             return self.find_at_the_end(scaled);
         }
         let scaled = scaled as u16;
         let upper = usize::from(self.distribution);
-        let row = match upper {
-            0 => 0,
-            1 => first_above(&self.slab[0], scaled) - 1,
-            _ => self.slab[..upper].iter().map(|r| first_above(r, scaled)).sum::<usize>() - 1,
+        let symbol = if upper == 1 {
+            let row = first_above(&self.slab[0], scaled) - 1;
+            ROW * row + first_above(&self.slab[1 + row], scaled) - 1
+        } else if self.counts == 1 {
+            first_above(&self.slab[0], scaled) - 1
+        } else if let Some(rows) = self.slab.first_chunk()
+            && upper == 0
+        {
+            first_above_of_four(rows, scaled) - 1
+        } else {
+            let row = self.slab[..upper].iter().map(|r| first_above(r, scaled)).sum::<usize>() - 1;
+            ROW * row + first_above(&self.slab[upper + row], scaled) - 1
         };
-        let place = first_above(&self.slab[upper + row], scaled) - 1;
-        let symbol = ROW * row + place;
         let distribution = self.slab[upper..].as_flattened();
-        let next = (symbol != usize::from(self.last)).then(|| u32::from(distribution[symbol + 1]));
-        (symbol as u32, u32::from(distribution[symbol]), next)
+        let end = if symbol == usize::from(self.last) { REST } else { distribution[symbol + 1] };
+        Share { symbol: symbol as u16, start: distribution[symbol], end }
     }
 
     /// `find` for a value that no row can be searched for: one of the last two symbols.
     #[cold]
     #[inline(never)]
-    fn find_at_the_end(&self, scaled: u32) -> (u32, u32, Option<u32>) {
+    fn find_at_the_end(&self, scaled: u32) -> Share {
         let distribution = self.slab[usize::from(self.distribution)..].as_flattened();
-        let last = usize::from(self.last);
-        let start = u32::from(distribution[last]);
-        if scaled >= start {
-            (last as u32, start, None)
+        let last = self.last;
+        let start = distribution[usize::from(last)];
+        if scaled >= u32::from(start) {
+            Share { symbol: last, start, end: REST }
         } else {
-            (last as u32 - 1, u32::from(distribution[last - 1]), Some(start))
+            Share { symbol: last - 1, start: distribution[usize::from(last - 1)], end: start }
         }
     }
 
     /// Notes that a symbol came.
-    #[inline]
-    pub(super) fn count(&mut self, symbol: u32) {
+    #[inline(always)]
+    pub(super) fn count(&mut self, symbol: u16) {
         let counts = self.slab[usize::from(self.counts)..].as_flattened_mut();
         // Below 2^15 plus the longest cycle, 16,432: no overflow.
-        counts[symbol as usize] = counts[symbol as usize].wrapping_add(1);
+        counts[usize::from(symbol)] = counts[usize::from(symbol)].wrapping_add(1);
         self.until_update -= 1;
         if self.until_update == 0 {
             self.update();
@@ -133,6 +160,15 @@ impl Model {
         let most = (symbols as u32 + 6) << 3;
         self.cycle = ((5 * u32::from(self.cycle)) >> 2).min(most) as u16;
         self.until_update = self.cycle;
+
+        let highest = counts.iter().copied().max().unwrap_or(0);
+        self.guess = Share::default();
+        if u32::from(highest) * GOOD_GUESS >= total {
+            let symbol = counts.iter().position(|&c| c == highest).unwrap_or(0);
+            let distribution = distribution.as_flattened();
+            let end = if symbol + 1 == symbols { REST } else { distribution[symbol + 1] };
+            self.guess = Share { symbol: symbol as u16, start: distribution[symbol], end };
+        }
     }
 
     /// Bytes on the heap.
