@@ -6,6 +6,7 @@
 //! coder       the arithmetic decoder: bytes and models → symbols, bits
 //! integer     integers from symbols and bits, by context
 //! sequential  chunks of formats 0 to 5 → raw records
+//! layered     chunks of formats 6 to 10 → raw records, of the fields wanted
 //! own         these two, given a chunk of a file
 //! reference   the laz crate's decoders: the reference, and what reads streams without chunks
 //! panics      a decoder's panic becomes its chunk's fault
@@ -20,6 +21,7 @@ use super::{
 
 mod coder;
 mod integer;
+mod layered;
 mod model;
 mod own;
 mod panics;
@@ -29,6 +31,7 @@ mod sequential;
 #[cfg(test)]
 mod tests;
 
+use layered::LayeredDecoder;
 use sequential::SequentialDecoder;
 
 pub use panics::{DECODER_THREAD, catch, silence_decoder_panics};
@@ -102,7 +105,7 @@ pub trait ChunkDecoder: Send {
 
 /// True if chunks of a file can be decoded by decoders that are cheap to keep.
 pub fn keepable(layout: &LazLayout, choice: DecoderChoice) -> bool {
-    choice == DecoderChoice::Own && !layout.is_layered() && layout.source != ChunkSource::OneStream
+    choice == DecoderChoice::Own && layout.source != ChunkSource::OneStream
 }
 
 /// A decoder for a chunk.
@@ -118,7 +121,11 @@ pub fn decoder(
     choice: DecoderChoice,
 ) -> Result<Box<dyn ChunkDecoder>, String> {
     if keepable(layout, choice) && chunk.bytes <= MAX_CHUNK_BYTES {
-        return Ok(Box::new(own::SequentialChunk::new(file, chunk, &layout.items)));
+        return Ok(if layout.is_layered() {
+            Box::new(own::LayeredChunk::new(file, chunk, &layout.items, fields))
+        } else {
+            Box::new(own::SequentialChunk::new(file, chunk, &layout.items))
+        });
     }
     Ok(Box::new(reference::LazCrateDecoder::new(file, layout, record_length, chunk, fields)?))
 }

@@ -1,7 +1,7 @@
 //! Red, green and blue in one layer, near infrared in another.
 
 use super::super::coder::Coder;
-use super::contexts::{Facts, Context, Contexts, Lazy, made, models_bytes, put_u16};
+use super::contexts::{Context, Contexts, Facts, Lazy, made, models_bytes, put_u16};
 use super::stream::{Field, Part};
 
 /// Red, green, blue: each byte is coded if it changed, green and blue relative to what red did.

@@ -1,7 +1,7 @@
 //! Extra bytes: each byte of the record is a layer of its own.
 
 use super::super::coder::Coder;
-use super::contexts::{Facts, Context, Contexts, Lazy, made, models_bytes};
+use super::contexts::{Context, Contexts, Facts, Lazy, made, models_bytes};
 use super::stream::{Field, Part};
 
 /// One byte, coded as the difference from the last.

@@ -2,7 +2,7 @@
 //! in one of four sequences that take turns (several flight lines or scanners in one file).
 
 use super::super::{coder::Coder, integer::IntegerDecoder};
-use super::contexts::{Facts, Context, Contexts, Lazy, made, models_bytes};
+use super::contexts::{Context, Contexts, Facts, Lazy, made, models_bytes};
 use super::stream::{Field, Part};
 
 /// Symbols of the model that is used after a difference: 0: another difference, 1 to 499: its multiple,

@@ -225,7 +225,12 @@ fn check_items(items: &[LazItem]) -> Result<u16, String> {
         };
         let is_point = item.item_type() == LazItemType::Point14;
         if item.size() != size || is_point != (i == 0) || item.version() != version {
-            return Err(format!("item {i} is a {:?} of {} bytes, version {}", item.item_type(), item.size(), item.version()));
+            return Err(format!(
+                "item {i} is a {:?} of {} bytes, version {}",
+                item.item_type(),
+                item.size(),
+                item.version()
+            ));
         }
     }
     if (3..=4).contains(&version) { Ok(version) } else { Err(format!("version {version} is not of layered items")) }

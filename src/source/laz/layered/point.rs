@@ -2,7 +2,7 @@
 //! user data and point source.
 
 use super::super::{coder::Coder, integer::IntegerDecoder};
-use super::contexts::{Facts, Context, Contexts, Lazy, made, models_bytes, put_i32, put_u16};
+use super::contexts::{Context, Contexts, Facts, Lazy, made, models_bytes, put_i32, put_u16};
 use super::stream::{Field, Part};
 
 /// Bytes of an integer: two symbols, and raw bits beyond eight.

@@ -1,7 +1,7 @@
 //! Wave packets: descriptor, offset and size of the waveform, return point, and direction.
 
 use super::super::{coder::Coder, integer::IntegerDecoder};
-use super::contexts::{Facts, Context, Contexts, Lazy, made, models_bytes};
+use super::contexts::{Context, Contexts, Facts, Lazy, made, models_bytes};
 use super::stream::{Field, Part};
 
 /// Bytes of a packet in a record.
