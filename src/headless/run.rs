@@ -37,7 +37,7 @@ pub enum HeadlessError {
 /// be read; see [`Report::is_partial`].
 pub fn render(settings: &Settings) -> Result<Report, HeadlessError> {
     // Reading starts first: a GPU takes a while to set up.
-    let stream = source::open(&settings.inputs, OpenOptions { threads: settings.threads, wake: None });
+    let stream = source::open(&settings.inputs, OpenOptions { threads: settings.threads, ..Default::default() });
     let (backend, backend_name, notes) = make_backend(settings.backend, settings.raster, settings.threads)?;
     let mut report = Report::new(settings, backend.info(), backend_name);
     report.notes = notes;

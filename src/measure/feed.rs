@@ -39,7 +39,7 @@ pub enum Fed {
 
 impl Feed {
     pub fn files(inputs: &[PathBuf], threads: Option<usize>) -> Feed {
-        Feed::Files(source::open(inputs, OpenOptions { threads, wake: None }))
+        Feed::Files(source::open(inputs, OpenOptions { threads, ..Default::default() }))
     }
 
     /// # Errors
@@ -131,7 +131,9 @@ impl SynthFeed {
                 points_in_header: generator.len(),
                 bounds: generator.bounds(),
                 kind: "from memory".into(),
+                ..Default::default()
             }],
+            warnings: Vec::new(),
         };
         Ok(SynthFeed { facts: Some(Arc::new(facts)), batches, next: 0, spent, cancel, threads: handles })
     }

@@ -9,8 +9,8 @@
 //! inputs    files and folders → a list of files
 //! header    one file's header, with its VLRs (vlr, crs), read tolerantly
 //! chunks    where a LAZ file's chunks are
-//! plan      which files, which grid (grid), which record numbers
-//! stream    threads and their order; LAS records, LAZ chunks (laz) → columns (record)
+//! plan      which files, which grid (grid), which record numbers, which fields
+//! stream    threads and their order; LAS records, LAZ chunks (laz) → columns (record, attributes)
 //! report    what came of it, per file
 //! ```
 
@@ -27,6 +27,7 @@ use crossbeam_channel::{Receiver, Sender, bounded};
 
 use crate::scene::{PointBatch, SceneFacts};
 
+mod attributes;
 mod bytes;
 pub(crate) mod chunks;
 pub(crate) mod crs;
@@ -35,6 +36,7 @@ mod fields;
 mod grid;
 pub(crate) mod header;
 mod inputs;
+mod layout;
 mod laz;
 mod plan;
 mod record;
@@ -53,6 +55,11 @@ pub use report::{FileReport, SourceReport};
 pub struct OpenOptions {
     /// Decoder threads; by default one per core, less one where there are more than two.
     pub threads: Option<usize>,
+    /// Fields to read besides the position. `None`: what the automatic colours ([`ColorStats::rule`])
+    /// depend on, file by file, and no more.
+    ///
+    /// [`ColorStats::rule`]: crate::scene::ColorStats::rule
+    pub fields: Option<Fields>,
     /// Called after each event was sent, to wake a window that sleeps. It must not block on whatever
     /// the thread that drops the [`Stream`] holds.
     pub wake: Option<Arc<dyn Fn() + Send + Sync>>,

@@ -86,7 +86,7 @@ impl Engine {
     /// Reads everything; returns when it is read, or nobody wants it any more.
     pub fn run(self, threads: usize) {
         silence_decoder_panics();
-        let plan = match plan::make(&self.inputs, &self.cancel) {
+        let plan = match plan::make(&self.inputs, &self.options, &self.cancel) {
             Ok(plan) => plan,
             Err(error) => {
                 self.send(Event::Failed(error));
@@ -285,7 +285,7 @@ impl Output<'_> {
             let mut decoded = 0;
             let mut lost = false;
             let length = self.plan.header.record_length();
-            let end = decode_chunk(file, layout, length, chunk, |mut records, index| {
+            let end = decode_chunk(file, layout, length, self.plan.reader.fields, chunk, |mut records, index| {
                 if layout.ends_unknown() {
                     let sane = self.plan.reader.inside_bounds(records);
                     lost = sane < records.len() / length;

@@ -60,7 +60,7 @@ pub enum End {
 impl Loading {
     pub fn start(inputs: &[PathBuf], threads: Option<usize>, wake: Arc<dyn Fn() + Send + Sync>) -> Loading {
         Loading {
-            stream: Some(source::open(inputs, OpenOptions { threads, wake: Some(wake) })),
+            stream: Some(source::open(inputs, OpenOptions { threads, wake: Some(wake), ..Default::default() })),
             scene: None,
             points_read: 0,
             started: Instant::now(),

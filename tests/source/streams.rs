@@ -113,7 +113,7 @@ fn no_thread_outlives_its_stream() {
     let wake: std::sync::Arc<dyn Fn() + Send + Sync> = std::sync::Arc::new(move || {
         let _ = &held;
     });
-    let options = firstlight::source::OpenOptions { threads: Some(2), wake: Some(wake) };
+    let options = firstlight::source::OpenOptions { threads: Some(2), wake: Some(wake), ..Default::default() };
     drop(firstlight::source::open(&[path], options));
     assert_eq!(std::sync::Arc::strong_count(&marker), 1, "the thread and its callback are gone");
 }

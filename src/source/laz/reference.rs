@@ -21,6 +21,7 @@ use laz::{
 use super::super::{
     bytes::{RangeReader, u32_at},
     chunks::{Chunk, LazLayout, layer_count, layered_sizes},
+    fields::Fields,
 };
 
 /// Decoded bytes between two looks at the cancel flag: a few hundred to a few thousand points, about a
@@ -48,6 +49,7 @@ pub fn decode_chunk(
     file: &File,
     layout: &LazLayout,
     record_length: usize,
+    fields: Fields,
     chunk: &Chunk,
     mut emit: impl FnMut(&[u8], u64) -> bool,
 ) -> ChunkEnd {
@@ -75,7 +77,7 @@ pub fn decode_chunk(
     let mut buffer = vec![0; per_piece as usize * record_length];
     let mut done = 0;
     while done < chunk.points {
-        let mut decoder = match decoder(reader, layout) {
+        let mut decoder = match decoder(reader, layout, fields) {
             Ok(decoder) => decoder,
             Err(what) => return ChunkEnd::Fault(what),
         };
@@ -122,7 +124,7 @@ fn decode_piece(
     (decoded, fault)
 }
 
-fn decoder<'f>(reader: RangeReader<'f>, layout: &LazLayout) -> Result<Decoder<'f>, String> {
+fn decoder<'f>(reader: RangeReader<'f>, layout: &LazLayout, fields: Fields) -> Result<Decoder<'f>, String> {
     if !layout.is_layered() {
         let mut decoder = SequentialPointRecordDecompressor::new(reader);
         decoder.set_fields_from(&layout.items).map_err(|e| e.to_string())?;
@@ -130,30 +132,68 @@ fn decoder<'f>(reader: RangeReader<'f>, layout: &LazLayout) -> Result<Decoder<'f
     }
     let mut decoder = LayeredPointRecordDecompressor::new(reader);
     for item in &layout.items {
-        add_layered(&mut decoder, item);
+        add_layered(&mut decoder, item, fields);
     }
-    decoder.set_selection(
-        DecompressionSelection::xy_returns_channel().decompress_z().decompress_intensity().decompress_rgb(),
-    );
+    decoder.set_selection(selection(fields));
     Ok(Box::new(decoder))
 }
 
-/// Adds a field's decoder; fields that no picture needs are stepped over.
-fn add_layered(decoder: &mut LayeredPointRecordDecompressor<'_, RangeReader<'_>>, item: &LazItem) {
-    let skip = Skip { size: usize::from(item.size()), layers: layer_count(item), bytes: 0 };
-    match (item.item_type(), item.version()) {
-        (LazItemType::Point14, 3) => decoder.add_field_decompressor(v3::LasPoint6Decompressor::default()),
-        (LazItemType::Point14, _) => decoder.add_field_decompressor(v4::LasPoint6Decompressor::default()),
-        (LazItemType::RGB14, 3) => decoder.add_field_decompressor(v3::LasRGBDecompressor::default()),
-        (LazItemType::RGB14, _) => decoder.add_field_decompressor(v4::LasRGBDecompressor::default()),
-        (LazItemType::RGBNIR14, version) => {
-            match version {
-                3 => decoder.add_field_decompressor(v3::LasRGBDecompressor::default()),
-                _ => decoder.add_field_decompressor(v4::LasRGBDecompressor::default()),
-            }
-            decoder.add_field_decompressor(Skip { size: 2, layers: 1, bytes: 0 });
+/// The layers that the fields need.
+fn selection(fields: Fields) -> DecompressionSelection {
+    let mut all = DecompressionSelection::xy_returns_channel().decompress_z();
+    let mut add = |wanted: bool, with: fn(DecompressionSelection) -> DecompressionSelection| {
+        if wanted {
+            all = with(all);
         }
-        _ => decoder.add_field_decompressor(skip),
+    };
+    add(fields.rgb, DecompressionSelection::decompress_rgb);
+    add(fields.nir, DecompressionSelection::decompress_nir);
+    add(fields.intensity, DecompressionSelection::decompress_intensity);
+    add(fields.returns, DecompressionSelection::decompress_flags);
+    add(fields.classification, DecompressionSelection::decompress_classification);
+    add(fields.scan_angle, DecompressionSelection::decompress_scan_angle);
+    add(fields.user_data, DecompressionSelection::decompress_user_data);
+    add(fields.point_source, DecompressionSelection::decompress_point_source_id);
+    add(fields.gps_time, DecompressionSelection::decompress_gps_time);
+    add(fields.wave_packet, DecompressionSelection::decompress_wavepacket);
+    add(fields.extra_bytes, DecompressionSelection::decompress_extra_bytes);
+    all
+}
+
+/// Adds an item's field decoders; fields that nobody asked for are stepped over.
+fn add_layered(decoder: &mut LayeredPointRecordDecompressor<'_, RangeReader<'_>>, item: &LazItem, fields: Fields) {
+    use LazItemType as T;
+    let skip = |size: usize, layers: usize| Skip { size, layers, bytes: 0 };
+    let v3 = item.version() == 3;
+    match item.item_type() {
+        T::Point14 if v3 => decoder.add_field_decompressor(v3::LasPoint6Decompressor::default()),
+        T::Point14 => decoder.add_field_decompressor(v4::LasPoint6Decompressor::default()),
+        T::RGB14 | T::RGBNIR14 => {
+            match (fields.rgb, v3) {
+                (true, true) => decoder.add_field_decompressor(v3::LasRGBDecompressor::default()),
+                (true, false) => decoder.add_field_decompressor(v4::LasRGBDecompressor::default()),
+                _ => decoder.add_field_decompressor(skip(6, 1)),
+            }
+            match (item.item_type() == T::RGBNIR14, fields.nir, v3) {
+                (true, true, true) => decoder.add_field_decompressor(v3::LasNIRDecompressor::default()),
+                (true, true, false) => decoder.add_field_decompressor(v4::LasNIRDecompressor::default()),
+                (true, false, _) => decoder.add_field_decompressor(skip(2, 1)),
+                _ => {}
+            }
+        }
+        T::WavePacket14 if fields.wave_packet && v3 => {
+            decoder.add_field_decompressor(v3::LasWavepacketDecompressor::default());
+        }
+        T::WavePacket14 if fields.wave_packet => {
+            decoder.add_field_decompressor(v4::LasWavepacketDecompressor::default());
+        }
+        T::Byte14(n) if fields.extra_bytes && v3 => {
+            decoder.add_field_decompressor(v3::LasExtraByteDecompressor::new(n.into()));
+        }
+        T::Byte14(n) if fields.extra_bytes => {
+            decoder.add_field_decompressor(v4::LasExtraByteDecompressor::new(n.into()));
+        }
+        _ => decoder.add_field_decompressor(skip(usize::from(item.size()), layer_count(item))),
     }
 }
 
