@@ -5,6 +5,10 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
+mod attributes;
+
+pub use attributes::{Attributes, WAVE_PACKET_BYTES};
+
 /// Most points that one [`PointBatch`] carries.
 pub const BATCH_POINTS: usize = 65_536;
 
@@ -32,7 +36,7 @@ impl Grid {
 }
 
 /// An axis-aligned box in world coordinates.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct Bounds {
     pub min: [f64; 3],
     pub max: [f64; 3],
@@ -62,7 +66,7 @@ impl Bounds {
     }
 }
 
-/// A run of points in columns, the unit that decoder threads send. All columns have the same length,
+/// Points in columns, the unit that decoder threads send. All columns have the same length,
 /// at most [`BATCH_POINTS`]; all points are of one file. The vectors are reused: [`PointBatch::clear`]
 /// keeps their memory.
 #[derive(Debug, Clone, Default)]
@@ -71,10 +75,13 @@ pub struct PointBatch {
     pub file: u32,
     /// Positions on the scene's [`Grid`].
     pub positions: Vec<[i32; 3]>,
-    /// Red, green, blue, intensity as stored in the record (zero where the format has no such field).
+    /// Red, green, blue, intensity as stored in the record; zero where the format has no such field, or
+    /// where it was not read.
     pub colors: Vec<[u16; 4]>,
     /// Record number: counted through all files of the scene in order, from 0.
     pub records: Vec<u32>,
+    /// Attributes that were asked for. Unlike the columns above, each of them may be empty.
+    pub attributes: Box<Attributes>,
     /// What this batch says of its file's colours.
     pub stats: ColorStats,
 }
@@ -93,6 +100,7 @@ impl PointBatch {
         self.positions.clear();
         self.colors.clear();
         self.records.clear();
+        self.attributes.clear();
         self.stats = ColorStats::default();
     }
 }
@@ -203,6 +211,8 @@ pub struct SceneFacts {
     /// Union of the headers' boxes. Only a promise: points may lie outside.
     pub bounds: Bounds,
     pub files: Vec<FileFacts>,
+    /// What is odd about the files together, one line each.
+    pub warnings: Vec<String>,
 }
 
 impl SceneFacts {
@@ -213,7 +223,7 @@ impl SceneFacts {
 }
 
 /// What the header of one file says, as far as rooms beyond `source` need it.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct FileFacts {
     pub path: PathBuf,
     /// Record number, in the scene, of the file's first point.
@@ -222,6 +232,20 @@ pub struct FileFacts {
     pub bounds: Bounds,
     /// e.g. "LAZ 1.4, format 7".
     pub kind: String,
+    pub record: RecordFacts,
+}
+
+/// How to understand the [`Attributes`] of a file's points.
+#[derive(Debug, Clone, Default)]
+pub struct RecordFacts {
+    /// Point record format, 0 to 10.
+    pub format: u8,
+    /// Degrees per step of the scan angle: 1 in formats 0 to 5, 0.006 in 6 to 10.
+    pub scan_angle_step: f64,
+    /// Extra bytes per point.
+    pub extra_bytes: usize,
+    /// Bytes of a batch's columns per point, with the attributes that were asked for.
+    pub bytes_per_point: usize,
 }
 
 #[cfg(test)]

@@ -68,8 +68,10 @@ mod tests {
             points_in_header: 2,
             bounds,
             kind: "LAS 1.2, format 0".into(),
+            ..Default::default()
         };
-        SceneFacts { grid: Grid { scale: [0.01; 3], origin: [0.0; 3] }, bounds, files: vec![file] }
+        let grid = Grid { scale: [0.01; 3], origin: [0.0; 3] };
+        SceneFacts { grid, bounds, files: vec![file], warnings: Vec::new() }
     }
 
     fn batch(positions: &[[i32; 3]]) -> PointBatch {

@@ -131,7 +131,9 @@ impl SynthFeed {
                 points_in_header: generator.len(),
                 bounds: generator.bounds(),
                 kind: "from memory".into(),
+                ..Default::default()
             }],
+            warnings: Vec::new(),
         };
         Ok(SynthFeed { facts: Some(Arc::new(facts)), batches, next: 0, spent, cancel, threads: handles })
     }

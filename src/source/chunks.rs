@@ -134,7 +134,7 @@ impl LazLayout {
 
 /// Compressor, chunk size and items from the LASzip VLR, with everything that the decoder would trust
 /// checked.
-fn parse_vlr(bytes: &[u8], record_length: usize) -> Result<(u16, Option<u32>, Vec<LazItem>), String> {
+pub fn parse_vlr(bytes: &[u8], record_length: usize) -> Result<(u16, Option<u32>, Vec<LazItem>), String> {
     if bytes.len() < 34 {
         return Err(format!("expected at least 34 bytes, found {}", bytes.len()));
     }

@@ -7,10 +7,14 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use laz::{LazItemType, LazVlr};
+
 use super::{
     SourceError,
     bytes::{i32_at, read_vec_at, text},
+    chunks,
     inputs::from_io,
+    layout::RecordLayout,
     vlr::{self, Vlr},
 };
 use crate::scene::Bounds;
@@ -32,6 +36,8 @@ pub struct Header {
     /// Point record format, 0 to 10, without the bits that mark compression.
     pub format: u8,
     pub compressed: bool,
+    /// Where the fields of a record are, as they come out of the decoder.
+    pub layout: RecordLayout,
     /// Points that the header promises: the 64-bit count where there is one, else the legacy count.
     pub points: u64,
     pub points_by_return: Vec<u64>,
@@ -93,12 +99,24 @@ impl Header {
         let (scale, offset) = usable_transform(&raw, &mut warnings);
         let bounds = Bounds { min: [raw.min_x, raw.min_y, raw.min_z], max: [raw.max_x, raw.max_y, raw.max_z] };
         let (vlrs, evlrs) = records(&file, file_length, &raw, standard, &mut warnings).map_err(io)?;
+        let mut layout = RecordLayout::new(format, usize::from(found - expected));
+        if compressed && wave_packet_is_omitted(&file, &layout, vlrs.iter().chain(&evlrs)) {
+            // Files of format 10 from such a writer hold wave packet bytes where near infrared should be.
+            let nir = if layout.nir_at.is_some() { "; near infrared may be wrong, too" } else { "" };
+            warnings.push(format!(
+                "the compressed records leave out the wave packet of format {format}: {} instead of {} bytes{nir}",
+                layout.without_wave_packet().length,
+                layout.length
+            ));
+            layout = layout.without_wave_packet();
+        }
         let header = Header {
             path: path.into(),
             file_length,
             raw,
             format,
             compressed,
+            layout,
             points,
             points_by_return,
             scale,
@@ -111,8 +129,9 @@ impl Header {
         Ok((header, file))
     }
 
+    /// Bytes of a record, as it comes out of the decoder.
     pub fn record_length(&self) -> usize {
-        usize::from(self.raw.point_data_record_length)
+        self.layout.length
     }
 
     /// File offset of the point data.
@@ -134,23 +153,8 @@ impl Header {
         self.vlrs.first().is_some_and(|v| v.is("copc", 1))
     }
 
-    /// Byte offset of red, green, blue in a record, if the format has them.
-    pub fn rgb_at(&self) -> Option<usize> {
-        rgb_at(self.format)
-    }
-
     pub fn all_vlrs(&self) -> impl Iterator<Item = &Vlr> {
         self.vlrs.iter().chain(&self.evlrs)
-    }
-}
-
-/// Byte offset of red, green, blue in a record of a format, if it has them.
-pub fn rgb_at(format: u8) -> Option<usize> {
-    match format {
-        2 => Some(20),
-        3 | 5 => Some(28),
-        7 | 8 | 10 => Some(30),
-        _ => None,
     }
 }
 
@@ -235,6 +239,20 @@ fn records(
         _ => Vec::new(),
     };
     Ok((vlrs, evlrs))
+}
+
+/// True if LASzip's items are those of the layout without its wave packet: old versions of some writers
+/// left it out, and only it.
+fn wave_packet_is_omitted<'a>(file: &File, layout: &RecordLayout, mut vlrs: impl Iterator<Item = &'a Vlr>) -> bool {
+    let without = layout.without_wave_packet();
+    without != *layout
+        && vlrs
+            .find(|v| v.is(LazVlr::USER_ID, LazVlr::RECORD_ID))
+            .and_then(|v| v.data(file, 64 << 10).ok())
+            .and_then(|bytes| chunks::parse_vlr(&bytes, without.length).ok())
+            .is_some_and(|(_, _, items)| {
+                !items.iter().any(|i| matches!(i.item_type(), LazItemType::WavePacket13 | LazItemType::WavePacket14))
+            })
 }
 
 /// Reads the first 12 bytes of a raw record: X, Y, Z.

@@ -9,10 +9,10 @@
 //! inputs    files and folders → a list of files
 //! header    one file's header, with its VLRs (vlr, crs), read tolerantly
 //! chunks    where a LAZ file's chunks are
-//! plan      which files, which grid (grid), which record numbers
+//! plan      which files, which grid (grid), which record numbers, which fields
 //! order     in which order their points are read
 //! stream    threads, and how their results get into that order
-//! work      what a thread does: LAS records, LAZ chunks (laz, kept) → columns (record)
+//! work      what a thread does: LAS records, LAZ chunks (laz, kept) → columns (record, attributes)
 //! report    what came of it, per file and per thread
 //! ```
 
@@ -29,6 +29,7 @@ use crossbeam_channel::{Receiver, Sender, bounded};
 
 use crate::scene::{PointBatch, SceneFacts};
 
+mod attributes;
 mod bytes;
 pub(crate) mod chunks;
 pub(crate) mod crs;
@@ -38,6 +39,7 @@ mod grid;
 pub(crate) mod header;
 mod inputs;
 mod kept;
+mod layout;
 mod laz;
 mod order;
 mod plan;
@@ -62,6 +64,11 @@ pub struct OpenOptions {
     pub threads: Option<usize>,
     pub order: Order,
     pub decoder: DecoderChoice,
+    /// Fields to read besides the position. `None`: what the automatic colours ([`ColorStats::rule`])
+    /// depend on, file by file, and no more.
+    ///
+    /// [`ColorStats::rule`]: crate::scene::ColorStats::rule
+    pub fields: Option<Fields>,
     /// Called after each event was sent, to wake a window that sleeps. It must not block on whatever
     /// the thread that drops the [`Stream`] holds.
     pub wake: Option<Arc<dyn Fn() + Send + Sync>>,

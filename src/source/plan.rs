@@ -12,6 +12,7 @@ use std::{
 
 use super::{
     FileReport, OpenOptions, SourceError,
+    bytes::read_vec_at,
     chunks::{Chunk, LazLayout},
     fields::Fields,
     grid::{self, FileGrid, Placement},
@@ -21,10 +22,13 @@ use super::{
     record::RecordReader,
     work::{PIECE_BYTES, READ_BYTES},
 };
-use crate::scene::{BATCH_POINTS, Bounds, FileFacts, SceneFacts};
+use crate::scene::{BATCH_POINTS, Bounds, FileFacts, RecordFacts, SceneFacts};
 
 /// Positions that are looked at where the header's box is in doubt.
 const SAMPLES: u64 = 256;
+
+/// Records that are looked at for a colour: each may cost a disk's seek.
+const COLOR_SAMPLES: u64 = 16;
 
 /// Where a file's points are.
 pub enum Layout {
@@ -71,7 +75,7 @@ pub fn make(paths: &[PathBuf], options: &OpenOptions, cancel: &AtomicBool) -> Re
         if cancel.load(Ordering::Relaxed) {
             break;
         }
-        match open_file(&path, first_record) {
+        match open_file(&path, options.fields, first_record) {
             Ok(mut file) => {
                 first_record += file.points;
                 file.file = file.file.filter(|_| files.len() < MAX_OPEN);
@@ -86,14 +90,13 @@ pub fn make(paths: &[PathBuf], options: &OpenOptions, cancel: &AtomicBool) -> Re
     }
     let grids: Vec<FileGrid> = files.iter().map(FilePlan::grid).collect();
     let (grid, warnings) = grid::choose(&grids);
-    files[0].warnings.extend(warnings);
     for (file, own) in files.iter_mut().zip(&grids) {
         file.reader.placement = Placement::new(own, &grid);
     }
     // An empty file's box is often all zeros: it must not pull the view away.
     let with_points = files.iter().filter(|f| f.points > 0).map(|f| f.bounds);
     let bounds = with_points.reduce(|a, b| a.union(&b)).unwrap_or(files[0].bounds);
-    let facts = SceneFacts { grid, bounds, files: files.iter().map(FilePlan::facts).collect() };
+    let facts = SceneFacts { grid, bounds, files: files.iter().map(FilePlan::facts).collect(), warnings };
     let failed = errors.into_iter().map(|(path, error)| FileReport::not_opened(path, &error)).collect();
     let tasks = put_in_order(&mut files, options);
     Ok(Plan { facts, files, tasks, failed })
@@ -119,7 +122,7 @@ fn put_in_order(files: &mut [FilePlan], options: &OpenOptions) -> Vec<Task> {
     tasks
 }
 
-fn open_file(path: &Path, first_record: u64) -> Result<FilePlan, SourceError> {
+fn open_file(path: &Path, fields: Option<Fields>, first_record: u64) -> Result<FilePlan, SourceError> {
     let (mut header, file) = Header::read(path)?;
     let mut warnings = std::mem::take(&mut header.warnings);
     let (layout, points) = if header.compressed {
@@ -134,12 +137,11 @@ fn open_file(path: &Path, first_record: u64) -> Result<FilePlan, SourceError> {
     }
     let bounds = promised_bounds(&header, &layout, points, &file, &mut warnings);
     let reader = RecordReader {
-        record_length: header.record_length(),
-        rgb_at: header.rgb_at(),
+        layout: header.layout,
+        fields: fields.unwrap_or_else(|| automatic_fields(&header, &layout, points, &file)),
         placement: Placement::IDENTITY,
         bounds: reachable(&header).then(|| grid::box_in_steps(&header.bounds, header.scale, header.offset)).flatten(),
         first_record: first_record as u32,
-        fields: Fields::COLORS,
     };
     let (order, file) = (FileOrder::default(), Some(Arc::new(file)));
     Ok(FilePlan { header, layout, points, reader, bounds, order, file, warnings })
@@ -188,6 +190,12 @@ impl FilePlan {
             points_in_header: self.points,
             bounds: self.bounds,
             kind: self.header.kind(),
+            record: RecordFacts {
+                format: self.header.format,
+                scan_angle_step: if self.reader.layout.extended { 0.006 } else { 1.0 },
+                extra_bytes: self.reader.layout.extra_bytes(),
+                bytes_per_point: self.reader.bytes_per_point(),
+            },
         }
     }
 }
@@ -242,18 +250,39 @@ fn promised_bounds(header: &Header, layout: &Layout, points: u64, file: &File, w
     around.unwrap_or(Bounds { min: header.offset, max: header.offset })
 }
 
-/// Positions that lie in the file uncompressed: any record of a LAS file, the first of each LAZ chunk.
+/// Positions of records that lie in the file uncompressed.
 fn sample(header: &Header, layout: &Layout, points: u64, file: &File, count: u64) -> Vec<[i32; 3]> {
-    let read = |at: u64| xyz_at(file, at);
+    raw_records(header, layout, points, count).filter_map(|at| xyz_at(file, at)).collect()
+}
+
+/// What [`ColorStats::rule`](crate::scene::ColorStats::rule) depends on: RGB; and intensity, unless some
+/// uncompressed record has a colour, for then the rule never asks for it. (In layered LAZ, intensity is
+/// about an eighth of the decoding.) Only if the chunk with that record turns out to be damaged, and
+/// all others have no colour, is the file shown by elevation instead of intensity.
+fn automatic_fields(header: &Header, layout: &Layout, points: u64, file: &File) -> Fields {
+    let Some(rgb_at) = header.layout.rgb_at else { return Fields::COLORS };
+    let colored = |at: u64| {
+        let rgb = read_vec_at(file, at + rgb_at as u64, 6).unwrap_or_default();
+        rgb.len() == 6 && rgb.iter().any(|&byte| byte != 0)
+    };
+    // Mostly the first one answers.
+    let intensity = !raw_records(header, layout, points, COLOR_SAMPLES).any(colored);
+    Fields { intensity, ..Fields::COLORS }
+}
+
+/// File offsets of up to about `count` records that lie in the file uncompressed, from the first one on:
+/// any record of a LAS file, the first of each LAZ chunk.
+fn raw_records(header: &Header, layout: &Layout, points: u64, count: u64) -> Box<dyn Iterator<Item = u64>> {
     match layout {
         Layout::Las => {
-            let length = header.record_length() as u64;
             let count = count.min(points);
-            (0..count).filter_map(|i| read(header.data_at() + i * (points / count) * length)).collect()
+            let (start, step) = (header.data_at(), points / count.max(1) * header.record_length() as u64);
+            Box::new((0..count).map(move |i| start + i * step))
         }
         Layout::Laz(layout) => {
             let step = layout.chunks.len().div_ceil(count as usize).max(1);
-            layout.chunks.iter().step_by(step).filter_map(|c| read(c.at)).collect()
+            let at: Vec<u64> = layout.chunks.iter().step_by(step).filter(|c| c.points > 0).map(|c| c.at).collect();
+            Box::new(at.into_iter())
         }
     }
 }

@@ -40,6 +40,7 @@ impl Cloud {
                 grid: Grid { scale: [0.001; 3], origin: [0.0; 3] },
                 bounds: Bounds { min: [0.0; 3], max: [0.0; 3] },
                 files: Vec::new(),
+                warnings: Vec::new(),
             },
             positions,
         };
@@ -116,7 +117,14 @@ impl Cloud {
             stats.z_min = stats.z_min.min(position[2]);
             stats.z_max = stats.z_max.max(position[2]);
         }
-        PointBatch { file: 0, positions, colors, records: range.map(|k| k as u32).collect(), stats }
+        PointBatch {
+            file: 0,
+            positions,
+            colors,
+            records: range.map(|k| k as u32).collect(),
+            stats,
+            ..Default::default()
+        }
     }
 
     /// Writes the facts that a header would promise.
@@ -133,6 +141,7 @@ impl Cloud {
             points_in_header: self.positions.len() as u64,
             bounds,
             kind: "LAS 1.4, format 7".into(),
+            ..Default::default()
         }];
     }
 }

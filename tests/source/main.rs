@@ -14,9 +14,10 @@ use std::{
 
 use firstlight::{
     scene::{BATCH_POINTS, PointBatch, SceneFacts},
-    source::{Event, OpenOptions, SourceError, SourceReport, Stream, open},
+    source::{Event, Fields, OpenOptions, SourceError, SourceReport, Stream, open},
 };
 
+mod attributes;
 mod broken;
 mod made;
 mod real;
@@ -63,13 +64,22 @@ impl Read {
     }
 }
 
-fn start(inputs: &[PathBuf], threads: usize) -> Stream {
-    open(inputs, OpenOptions { threads: Some(threads), ..Default::default() })
+/// All fields.
+fn options(threads: usize) -> OpenOptions {
+    OpenOptions { threads: Some(threads), fields: Some(Fields::ALL), ..Default::default() }
 }
 
-/// Reads all of the inputs and checks what must hold of any stream.
+fn start(inputs: &[PathBuf], threads: usize) -> Stream {
+    open(inputs, options(threads))
+}
+
+/// Reads all of the inputs, with all fields, and checks what must hold of any stream.
 fn read(inputs: &[PathBuf], threads: usize) -> Result<Read, SourceError> {
-    let stream = start(inputs, threads);
+    read_with(inputs, options(threads))
+}
+
+fn read_with(inputs: &[PathBuf], options: OpenOptions) -> Result<Read, SourceError> {
+    let stream = open(inputs, options);
     let mut facts = None;
     let mut report = None;
     let mut batches: Vec<PointBatch> = Vec::new();
