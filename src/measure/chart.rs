@@ -4,7 +4,15 @@
 //! serves light and dark pages. Legends are the page's: HTML lays out text better than a library that
 //! has to guess its width.
 
-use plotters::{coord::types::RangedCoordf64, prelude::*};
+use plotters::{
+    backend::SVGBackend,
+    chart::{ChartBuilder, ChartContext},
+    coord::{Shift, cartesian::Cartesian2d, types::RangedCoordf64},
+    drawing::{DrawingArea, DrawingAreaErrorKind, IntoDrawingArea},
+    element::Circle,
+    series::{DashedLineSeries, LineSeries},
+    style::{Color, IntoFont, RGBColor, TRANSPARENT},
+};
 
 use super::html::escape;
 
@@ -67,7 +75,8 @@ impl Chart {
         let mut svg = String::new();
         if self.draw(SVGBackend::with_string(&mut svg, SIZE).into_drawing_area()).is_err() {
             // Writing to a string cannot fail; should a drawing ever be impossible, the page says so.
-            return "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 9 9\"><title>not drawn</title></svg>".into();
+            return "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 9 9\"><title>not drawn</title></svg>"
+                .into();
         }
         // The page sets the width; the view box keeps the proportions.
         let fixed = format!("<svg width=\"{}\" height=\"{}\"", SIZE.0, SIZE.1);
@@ -89,7 +98,7 @@ impl Chart {
         format!("<figure><figcaption>{title}</figcaption>\n{}\n<ul>{legend}</ul></figure>\n", self.svg())
     }
 
-    fn draw(&self, area: DrawingArea<SVGBackend<'_>, plotters::coord::Shift>) -> Result<(), Box<dyn std::error::Error>> {
+    fn draw(&self, area: DrawingArea<SVGBackend<'_>, Shift>) -> Drawn {
         let all = || self.series.iter().flat_map(finite);
         let range = |value: fn((f64, f64)) -> f64, at_least: f64| {
             let high = all().map(value).fold(at_least, f64::max);
@@ -129,13 +138,10 @@ impl Chart {
 }
 
 type Plane = Cartesian2d<RangedCoordf64, RangedCoordf64>;
+type Drawn = Result<(), DrawingAreaErrorKind<std::io::Error>>;
 
-fn draw_series<'a>(
-    chart: &mut ChartContext<'a, SVGBackend<'a>, Plane>,
-    series: &Series,
-    color: RGBColor,
-) -> Result<(), Box<dyn std::error::Error + 'a>> {
-    let points = || finite(series);
+fn draw_series<'a>(chart: &mut ChartContext<'a, SVGBackend<'a>, Plane>, series: &Series, color: RGBColor) -> Drawn {
+    let points = || finite(series).collect::<Vec<_>>().into_iter();
     match series.draw {
         Draw::Dashed => drop(chart.draw_series(DashedLineSeries::new(points(), 6, 4, color.stroke_width(2)))?),
         Draw::Line | Draw::LineAndDots => drop(chart.draw_series(LineSeries::new(points(), color.stroke_width(2)))?),

@@ -22,7 +22,6 @@
 use std::{io, path::PathBuf};
 
 use crate::{
-    headless::OutputError,
     render::{CameraError, RenderError},
     source::SourceError,
 };
@@ -43,7 +42,7 @@ pub use ceilings::PointData;
 pub use coverage::{Coverage, CoverageRuns, Step};
 pub use csv::write_csv;
 pub use page::page;
-pub use reader::{FieldSet, LazDecoder, ReadOrder, ReaderSample, ThreadTimes, Way};
+pub use reader::{FieldSet, LazDecoder, ReadOrder, ReaderSample, Way};
 pub use report::{AgainstRuns, CeilingRuns, IngestFile, IngestReport, ReaderRuns, TITLE};
 pub use run::{BenchIngest, bench_ingest};
 pub use screen::{FrameSample, ScreenRuns, ScreenSample, ScreenSettings};
@@ -58,8 +57,6 @@ pub enum IngestError {
     Render(#[from] RenderError),
     #[error(transparent)]
     Camera(#[from] CameraError),
-    #[error(transparent)]
-    Output(#[from] OutputError),
     #[error("cannot read the points of {} alone: {source}", path.display())]
     ReadAlone { path: PathBuf, source: io::Error },
     #[error("--against \"{command}\" on {}: {what}", file.display())]

@@ -2,23 +2,24 @@
 
 use std::{
     path::{Path, PathBuf},
-    sync::Arc,
     time::Instant,
 };
 
-use clap::ValueEnum;
+use clap::{ValueEnum, builder::PossibleValue};
 use serde::Serialize;
 
 use crate::{
     scene::{PointBatch, SceneFacts},
-    source::{self, Event, OpenOptions, SourceError, SourceReport},
+    source::{self, DecoderChoice, Event, OpenOptions, Order, SourceError, SourceReport, ThreadTimes},
 };
 
-/// In which order a file's tasks are decoded.
+/// In which order a file's points are decoded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ValueEnum)]
 #[serde(rename_all = "snake_case")]
 pub enum ReadOrder {
-    /// As the records lie in the file
+    /// A few points from everywhere, then the rest, evenly spread: what the program does
+    Preview,
+    /// From front to back
     File,
 }
 
@@ -26,7 +27,9 @@ pub enum ReadOrder {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ValueEnum)]
 #[serde(rename_all = "snake_case")]
 pub enum LazDecoder {
-    /// The laz crate
+    /// The program's own decoders, where they can
+    Own,
+    /// The laz crate's
     Laz,
 }
 
@@ -34,15 +37,15 @@ pub enum LazDecoder {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ValueEnum)]
 #[serde(rename_all = "snake_case")]
 pub enum FieldSet {
-    /// Red, green, blue and intensity, for the automatic colours
+    /// Red, green, blue and intensity: what the automatic colours look at
     Colors,
 }
 
 /// One way to read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Way {
-    /// Decoder threads.
-    pub threads: usize,
+    /// Decoder threads; null for the reader's own choice.
+    pub threads: Option<usize>,
     pub order: ReadOrder,
     /// Says nothing of files that are not compressed.
     pub decoder: LazDecoder,
@@ -52,38 +55,33 @@ pub struct Way {
 impl Way {
     /// The reader's own words for it.
     pub fn options(&self) -> OpenOptions {
-        let (ReadOrder::File, LazDecoder::Laz, FieldSet::Colors) = (self.order, self.decoder, self.fields);
-        OpenOptions { threads: Some(self.threads), wake: None }
+        let order = match self.order {
+            ReadOrder::Preview => Order::PreviewFirst,
+            ReadOrder::File => Order::File,
+        };
+        let decoder = match self.decoder {
+            LazDecoder::Own => DecoderChoice::Own,
+            LazDecoder::Laz => DecoderChoice::LazCrate,
+        };
+        let FieldSet::Colors = self.fields;
+        OpenOptions { threads: self.threads, order, decoder, ..Default::default() }
+    }
+
+    /// Order, decoder and fields as the command line calls them.
+    pub fn words(&self) -> [String; 3] {
+        let word = |value: Option<PossibleValue>| value.map_or_else(String::new, |v| v.get_name().into());
+        [self.order.to_possible_value(), self.decoder.to_possible_value(), self.fields.to_possible_value()].map(word)
     }
 
     /// A short name, without the number of threads.
     pub fn name(&self, compressed: bool) -> String {
-        let word = |value: Option<clap::builder::PossibleValue>| value.map_or_else(String::new, |v| v.get_name().into());
-        let mut words = vec![format!("{} order", word(self.order.to_possible_value()))];
+        let [order, decoder, fields] = self.words();
         if compressed {
-            words.push(format!("{} decoder", word(self.decoder.to_possible_value())));
+            format!("{order} order, {decoder} decoder, {fields}")
+        } else {
+            format!("{order} order, {fields}")
         }
-        words.push(word(self.fields.to_possible_value()));
-        words.join(", ")
     }
-}
-
-/// What one thread of the reader did, seconds.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ThreadTimes {
-    pub name: String,
-    pub read_secs: f64,
-    pub decode_secs: f64,
-    pub convert_secs: f64,
-    /// Blocked on its channel.
-    pub wait_secs: f64,
-    pub points: u64,
-    pub bytes: u64,
-}
-
-/// The reader's threads, where it tells.
-fn thread_times(_report: &SourceReport) -> Vec<ThreadTimes> {
-    Vec::new()
 }
 
 /// One run. Seconds count from the call that opens the file.
@@ -100,13 +98,14 @@ pub struct ReaderSample {
     pub batch_bytes: u64,
     /// That the receiver waited for batches: near `secs` where decoding is what takes the time.
     pub receiver_wait_secs: f64,
+    /// Most heap memory that the reader could take, by its own account.
+    pub memory_bound_bytes: u64,
     pub threads: Vec<ThreadTimes>,
 }
 
 /// What a run of the reader gave.
 pub struct Reading {
     pub sample: ReaderSample,
-    pub facts: Arc<SceneFacts>,
     pub report: SourceReport,
 }
 
@@ -130,6 +129,7 @@ pub fn read(
         batches: 0,
         batch_bytes: 0,
         receiver_wait_secs: 0.0,
+        memory_bound_bytes: 0,
         threads: Vec::new(),
     };
     let mut scene = None;
@@ -153,9 +153,9 @@ pub fn read(
             }
             (Ok(Event::Finished(report)), Some(_)) => {
                 sample.secs = secs;
-                sample.threads = thread_times(&report);
-                let Some(facts) = scene else { unreachable!("matched above") };
-                return Ok(Reading { sample, facts, report });
+                sample.memory_bound_bytes = report.memory_bound_bytes;
+                sample.threads.clone_from(&report.threads);
+                return Ok(Reading { sample, report });
             }
             (Ok(Event::Failed(error)), _) => return Err(error),
             (Ok(Event::Batch(_) | Event::Finished(_)) | Err(_), _) => {

@@ -15,8 +15,8 @@ use super::{
     screen::{self, ScreenRuns, ScreenSettings},
 };
 use crate::{
+    headless::make_backend,
     measure::machine::Machine,
-    render::BackendInfo,
     source::{self, SourceError},
 };
 
@@ -65,6 +65,12 @@ pub fn bench_ingest(settings: &BenchIngest, tell: &mut dyn FnMut(&str)) -> Resul
         files: Vec::new(),
         problems: Vec::new(),
     };
+    if let Some(screen) = &settings.screen {
+        // No device is said before hours of work; and whoever comes first pays for caches of drivers.
+        let (backend, _, notes) = make_backend(screen.backend, screen.raster, None)?;
+        notes.iter().for_each(|note| tell(note));
+        report.backend = Some(backend.info().clone());
+    }
     let (paths, failed) = source::list_files(&settings.inputs);
     let mut errors: Vec<SourceError> = failed.into_iter().map(|(_, error)| error).collect();
     for path in paths {
@@ -93,7 +99,9 @@ fn measure_file(
     // Once without a clock: the file is in memory then, and its points are known.
     let warm = reader::read(path, &ways[0], |_, _, _| {})?;
     let name = path.display();
-    report.problems.extend(warm.report.files.iter().filter_map(|file| Some(format!("{name}: {}", file.error.as_ref()?))));
+    report
+        .problems
+        .extend(warm.report.files.iter().filter_map(|file| Some(format!("{name}: {}", file.error.as_ref()?))));
     let mut file = empty(settings, path, &data, &ways, &warm.sample);
     let tasks = tasks(&file);
     for round in 0..settings.repeat {
@@ -103,7 +111,7 @@ fn measure_file(
             order.reverse();
         }
         for task in order {
-            run_task(task, settings, &data, &mut file, &mut report.backend)?;
+            run_task(task, settings, &data, &mut file)?;
         }
         tell(&format!(
             "{name}: round {} of {}, {} runs in {:.1} s",
@@ -147,13 +155,8 @@ fn empty(
         let runs = |&threads| CeilingRuns { threads, bytes, seconds: None, bytes_per_sec: None, samples_secs: vec![] };
         settings.threads.iter().map(runs).collect::<Vec<_>>()
     };
-    let reader = |&way| ReaderRuns {
-        way,
-        seconds: None,
-        points_per_sec: None,
-        bytes_per_sec: None,
-        samples: Vec::new(),
-    };
+    let reader =
+        |&way| ReaderRuns { way, seconds: None, points_per_sec: None, bytes_per_sec: None, samples: Vec::new() };
     let against = |command: &AgainstCommand| AgainstRuns {
         command: command.text.clone(),
         seconds: None,
@@ -163,10 +166,10 @@ fn empty(
     // Coverage: each order once, read as the first decoder and field set do.
     let first = ways[0];
     let most = settings.threads.iter().copied().max();
-    let coverage = settings.orders.iter().map(|&order| CoverageRuns {
-        way: Way { threads: most, order, ..first },
-        samples: Vec::new(),
-    });
+    let coverage = settings
+        .orders
+        .iter()
+        .map(|&order| CoverageRuns { way: Way { threads: most, order, ..first }, samples: Vec::new() });
     IngestFile {
         path: path.into(),
         kind: data.kind.clone(),
@@ -199,13 +202,7 @@ fn tasks(file: &IngestFile) -> Vec<Task> {
     tasks
 }
 
-fn run_task(
-    task: Task,
-    settings: &BenchIngest,
-    data: &PointData,
-    file: &mut IngestFile,
-    backend: &mut Option<BackendInfo>,
-) -> Result<(), IngestError> {
+fn run_task(task: Task, settings: &BenchIngest, data: &PointData, file: &mut IngestFile) -> Result<(), IngestError> {
     let path = file.path.clone();
     let expected = file.points;
     let steady = |found: u64| match found == expected {
@@ -241,9 +238,7 @@ fn run_task(
         }
         Task::Screen => {
             if let (Some(runs), Some(screen)) = (&mut file.screen, &settings.screen) {
-                let (sample, info) = screen::run(&path, screen, &runs.way)?;
-                runs.samples.push(sample);
-                backend.get_or_insert(info);
+                runs.samples.push(screen::run(&path, screen, &runs.way)?);
             }
         }
     }

@@ -102,13 +102,13 @@ impl ScreenRuns {
 ///
 /// # Errors
 /// If the file cannot be opened, or no device draws.
-pub fn run(path: &Path, settings: &ScreenSettings, way: &Way) -> Result<(ScreenSample, BackendInfo), IngestError> {
+pub fn run(path: &Path, settings: &ScreenSettings, way: &Way) -> Result<ScreenSample, IngestError> {
     let start = Instant::now();
     let inputs: [PathBuf; 1] = [path.into()];
     let stream = source::open(&inputs, way.options());
     let (backend, _, _) = make_backend(settings.backend, settings.raster, None)?;
     let setup_secs = start.elapsed().as_secs_f64();
-    let info = backend.info().clone();
+    let raster = backend.info().raster;
     let mut run = Run {
         settings,
         start,
@@ -146,9 +146,9 @@ pub fn run(path: &Path, settings: &ScreenSettings, way: &Way) -> Result<(ScreenS
     }
     let insertions = run.progressive.insertions();
     let timed = run.progressive.backend();
-    let (upload_secs, scatter_secs, scatter_insertions) = timed.split(info.raster);
+    let (upload_secs, scatter_secs, scatter_insertions) = timed.split(raster);
     let wall: Vec<f64> = run.frames.iter().map(|frame| frame.wall_ms).collect();
-    let sample = ScreenSample {
+    Ok(ScreenSample {
         setup_secs,
         secs_to_first_batch: run.first_batch,
         secs_to_first_picture: run.frames.first().map(|frame| frame.at_secs),
@@ -164,8 +164,7 @@ pub fn run(path: &Path, settings: &ScreenSettings, way: &Way) -> Result<(ScreenS
         frames: run.frames,
         covered_pixels,
         out_of_memory: run.out_of_memory,
-    };
-    Ok((sample, info))
+    })
 }
 
 struct Run<'a> {
