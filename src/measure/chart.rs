@@ -66,6 +66,8 @@ pub struct Chart {
     /// Values that the axes reach at least.
     pub x_at_least: f64,
     pub y_at_least: f64,
+    /// Between two whole numbers on the x axis there is nothing (threads, files): no ticks there.
+    pub x_is_whole: bool,
     pub series: Vec<Series>,
 }
 
@@ -107,6 +109,7 @@ impl Chart {
             low..if high > low { high + 0.03 * (high - low) } else { low + 1.0 }
         };
         let (x, y) = (range(|p| p.0, self.x_at_least), range(|p| p.1, self.y_at_least));
+        let x_ticks = if self.x_is_whole { (x.end as usize + 1).min(8) } else { 8 };
         let mut chart = ChartBuilder::on(&area)
             .margin(8)
             .margin_right(16)
@@ -123,7 +126,7 @@ impl Chart {
             .axis_desc_style(text)
             .x_desc(&self.x)
             .y_desc(&self.y)
-            .x_labels(8)
+            .x_labels(x_ticks)
             .y_labels(6)
             .x_label_formatter(&|v| tick(*v))
             .y_label_formatter(&|v| tick(*v))
@@ -189,6 +192,7 @@ mod tests {
             y: "M points".into(),
             x_at_least: 0.0,
             y_at_least: 0.0,
+            x_is_whole: false,
             series: vec![Series { name: "a & b".into(), points: points.to_vec(), draw }],
         }
     }

@@ -2,6 +2,7 @@
 //! looking at them, and copying as many bytes as the batches hold from memory to memory.
 
 use std::{
+    cell::Cell,
     fs::File,
     hint::black_box,
     io::{self, Read, Seek, SeekFrom},
@@ -74,9 +75,9 @@ pub fn read_alone(path: &Path, range: &Range<u64>, threads: usize) -> io::Result
     let files: Vec<File> = (0..threads.max(1))
         .map(|_| open_regular(path).map(|(file, _)| file).map_err(|error| io::Error::other(error.to_string())))
         .collect::<io::Result<_>>()?;
-    let outcomes = timed(files, |mut file, ready| {
+    let (secs, results) = timed(files, |mut file, ready| {
         let mut buffer = vec![1; BLOCK as usize];
-        ready.wait();
+        ready();
         loop {
             let at = next.fetch_add(BLOCK, Ordering::Relaxed);
             if at >= range.end {
@@ -88,7 +89,6 @@ pub fn read_alone(path: &Path, range: &Range<u64>, threads: usize) -> io::Result
             black_box(&mut *block);
         }
     });
-    let (secs, results) = outcomes;
     results.into_iter().collect::<io::Result<Vec<()>>>()?;
     Ok(secs)
 }
@@ -100,7 +100,7 @@ pub fn copy_memory(bytes: u64, threads: usize) -> f64 {
         let size = left.min(COPY_BUFFER) as usize;
         // Written to, so that the system has given all pages before the clock starts.
         let (from, mut to) = (vec![1u8; size], vec![2u8; size]);
-        ready.wait();
+        ready();
         while left > 0 {
             let now = left.min(size as u64);
             to[..now as usize].copy_from_slice(&black_box(&from)[..now as usize]);
@@ -116,16 +116,28 @@ fn share(bytes: u64, threads: usize) -> Vec<u64> {
     (0..n).map(|i| bytes * (i + 1) / n - bytes * i / n).collect()
 }
 
-/// Runs a thread per input. The clock runs from when all have called `ready.wait()` until all are done.
-fn timed<I: Send, T: Send>(inputs: Vec<I>, work: impl Fn(I, &Barrier) -> T + Sync) -> (f64, Vec<T>) {
-    let ready = Barrier::new(inputs.len() + 1);
-    thread::scope(|scope| {
-        let running: Vec<_> = inputs.into_iter().map(|input| scope.spawn(|| work(input, &ready))).collect();
-        ready.wait();
-        let start = Instant::now();
-        let results = running.into_iter().filter_map(|thread| thread.join().ok()).collect();
-        (start.elapsed().as_secs_f64(), results)
-    })
+/// Runs a thread per input. The time is from when the first goes on behind `ready.wait()`, which all
+/// come to, until the last is done, by the threads' own clocks: on a busy machine, this thread may be
+/// woken when all is over.
+fn timed<I: Send, T: Send>(inputs: Vec<I>, work: impl Fn(I, &dyn Fn()) -> T + Sync) -> (f64, Vec<T>) {
+    let barrier = Barrier::new(inputs.len());
+    let run = |input| {
+        let begun = Cell::new(Instant::now());
+        let ready = || {
+            barrier.wait();
+            begun.set(Instant::now());
+        };
+        let result = work(input, &ready);
+        (begun.get(), Instant::now(), result)
+    };
+    let outcomes: Vec<_> = thread::scope(|scope| {
+        let running: Vec<_> = inputs.into_iter().map(|input| scope.spawn(|| run(input))).collect();
+        running.into_iter().filter_map(|thread| thread.join().ok()).collect()
+    });
+    let begun = outcomes.iter().map(|outcome| outcome.0).min();
+    let ended = outcomes.iter().map(|outcome| outcome.1).max();
+    let secs = begun.zip(ended).map_or(0.0, |(begun, ended)| (ended - begun).as_secs_f64());
+    (secs, outcomes.into_iter().map(|outcome| outcome.2).collect())
 }
 
 #[cfg(test)]

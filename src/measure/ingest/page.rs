@@ -41,7 +41,15 @@ fn charts(file: &IngestFile) -> Vec<Chart> {
 }
 
 fn chart(title: &str, x: &str, y: &str) -> Chart {
-    Chart { title: title.into(), x: x.into(), y: y.into(), x_at_least: 0.0, y_at_least: 0.0, series: Vec::new() }
+    Chart {
+        title: title.into(),
+        x: x.into(),
+        y: y.into(),
+        x_at_least: 0.0,
+        y_at_least: 0.0,
+        x_is_whole: false,
+        series: Vec::new(),
+    }
 }
 
 /// The reader's runs by way, each a list of threads and a value.
@@ -65,6 +73,7 @@ fn most_threads(file: &IngestFile) -> f64 {
 
 fn rates(file: &IngestFile) -> Chart {
     let mut chart = chart("Reader: points per second", "decoder threads", "M points/s");
+    chart.x_is_whole = true;
     chart.series = by_threads(file, |runs| Some(runs.points_per_sec?.median * 1e-6));
     for runs in &file.against {
         if let Some(rate) = runs.points_per_sec {
@@ -79,6 +88,7 @@ fn rates(file: &IngestFile) -> Chart {
 /// None where only one number of threads was measured.
 fn speed_up(file: &IngestFile) -> Option<Chart> {
     let mut chart = chart("Scaling", "threads", "times as fast as with one");
+    chart.x_is_whole = true;
     chart.series = by_threads(file, |runs| Some(runs.points_per_sec?.median));
     let ceilings = [("read alone", &file.read_alone), ("memcpy", &file.memcpy)];
     chart.series.extend(ceilings.map(|(name, runs)| Series {

@@ -49,11 +49,11 @@ pub fn facts(report: &IngestReport) -> Vec<String> {
 /// One file in a line.
 pub fn describe(file: &IngestFile) -> String {
     format!(
-        "{}, {:.2} M points, {:.1} MB of points ({:.2} bytes each), {:.1} MB as batches",
+        "{}, {:.2} M points, {:.1} MB of points ({} bytes each), {:.1} MB as batches",
         file.kind,
         file.points as f64 * 1e-6,
         file.point_bytes as f64 * 1e-6,
-        file.bytes_per_point(),
+        number(file.bytes_per_point(), 2),
         file.batch_bytes as f64 * 1e-6
     )
 }
@@ -156,7 +156,7 @@ fn against(file: &IngestFile) -> Option<Table> {
 /// Where the reader's threads spent their time, in the run of median length.
 fn stages(file: &IngestFile) -> Option<Table> {
     let mut table = Table::new(
-        "Stages of the reader, seconds per thread (the run of median length)",
+        "Stages of the reader, milliseconds per thread (the run of median length)",
         &["way", "of threads", "thread", "read", "decode", "convert", "wait on the channel", "M points", "MB"],
     );
     for runs in &file.reader {
@@ -168,14 +168,14 @@ fn stages(file: &IngestFile) -> Option<Table> {
             let secs = [thread.read_secs, thread.decode_secs, thread.convert_secs, thread.wait_secs];
             let mut row = head.to_vec();
             row.push(thread.name.clone());
-            row.extend(secs.map(|secs| number(secs, 3)));
+            row.extend(secs.map(|secs| number(1e3 * secs, 1)));
             row.push(number(thread.points as f64 * 1e-6, 2));
             row.push(number(thread.bytes as f64 * 1e-6, 1));
             table.rows.push(row);
         }
         let mut row = head.to_vec();
         row.extend(["the receiver".into(), "–".into(), "–".into(), "–".into()]);
-        row.push(number(sample.receiver_wait_secs, 3));
+        row.push(number(1e3 * sample.receiver_wait_secs, 1));
         row.push(number(sample.points as f64 * 1e-6, 2));
         row.push("–".into());
         table.rows.push(row);
