@@ -177,12 +177,7 @@ mod tests {
             bounds,
             kind: "LAS 1.2, format 0".into(),
         };
-        SceneFacts {
-            grid: Grid { scale: [0.01; 3], origin: [1000.0, 2000.0, 0.0] },
-            bounds,
-            files: vec![file],
-            reader_bound_bytes: 0,
-        }
+        SceneFacts { grid: Grid { scale: [0.01; 3], origin: [1000.0, 2000.0, 0.0] }, bounds, files: vec![file] }
     }
 
     fn center(x: usize, y: usize) -> [i32; 3] {

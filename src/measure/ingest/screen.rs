@@ -190,12 +190,15 @@ impl Run<'_> {
         lost: impl Fn() -> SourceError,
     ) -> Result<(), IngestError> {
         while !self.ended && self.progressive.wants_points() {
-            let event = if self.progressive.waiting() >= INSERTION_POINTS.into() {
+            // The first picture waits for one batch only.
+            let has_points = self.progressive.points_stored() > 0;
+            let enough = if has_points { u64::from(INSERTION_POINTS) } else { 1 };
+            let event = if self.progressive.waiting() >= enough {
                 stream.events().try_recv().map_err(|error| match error {
                     crossbeam_channel::TryRecvError::Empty => RecvTimeoutError::Timeout,
                     crossbeam_channel::TryRecvError::Disconnected => RecvTimeoutError::Disconnected,
                 })
-            } else if self.progressive.points_stored() == 0 {
+            } else if !has_points {
                 // Nothing to draw yet.
                 stream.events().recv().map_err(|_| RecvTimeoutError::Disconnected)
             } else {
