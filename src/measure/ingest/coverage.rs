@@ -165,7 +165,7 @@ impl CoverageRuns {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Bounds, FileFacts, Grid};
+    use crate::scene::{Bounds, FileFacts, Grid, RecordFacts};
 
     /// 64 by 64 metres at centimetres: a cell is a metre wide.
     fn facts() -> SceneFacts {
@@ -176,8 +176,10 @@ mod tests {
             points_in_header: 0,
             bounds,
             kind: "LAS 1.2, format 0".into(),
+            record: RecordFacts::default(),
         };
-        SceneFacts { grid: Grid { scale: [0.01; 3], origin: [1000.0, 2000.0, 0.0] }, bounds, files: vec![file] }
+        let grid = Grid { scale: [0.01; 3], origin: [1000.0, 2000.0, 0.0] };
+        SceneFacts { grid, bounds, files: vec![file], warnings: Vec::new() }
     }
 
     fn center(x: usize, y: usize) -> [i32; 3] {
