@@ -25,7 +25,8 @@ use std::{
     thread::JoinHandle,
 };
 
-use crossbeam_channel::{Receiver, Sender, bounded};
+use crossbeam_channel::{Receiver, bounded};
+use spare::Spare;
 
 use crate::scene::{PointBatch, SceneFacts};
 
@@ -45,6 +46,7 @@ mod order;
 mod plan;
 mod record;
 mod report;
+mod spare;
 mod stream;
 pub(crate) mod vlr;
 mod work;
@@ -88,7 +90,7 @@ pub enum Event {
 /// A running reader. Dropping it stops all threads promptly and waits for them.
 pub struct Stream {
     events: Receiver<Event>,
-    free: Sender<PointBatch>,
+    spare: Arc<Spare>,
     cancel: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
 }
@@ -101,8 +103,7 @@ impl Stream {
 
     /// Gives a batch's memory back to the decoders. Not needed for progress, only for speed.
     pub fn recycle(&self, batch: PointBatch) {
-        // With enough spare buffers already, this one's memory goes back to the system.
-        let _ = self.free.try_send(batch);
+        self.spare.give(batch);
     }
 }
 
@@ -136,13 +137,13 @@ pub fn open(inputs: &[PathBuf], options: OpenOptions) -> Stream {
     let threads = options.threads.unwrap_or(if cores > 2 { cores - 1 } else { cores }).max(1);
     let (events_ahead, spare) = stream::capacities(threads);
     let (events_to, events) = bounded(events_ahead);
-    let (free, free_from) = bounded(spare);
+    let spare = Arc::new(Spare::new(spare));
     let cancel = Arc::new(AtomicBool::new(false));
     let engine = stream::Engine {
         inputs: inputs.to_vec(),
         options,
         events: events_to.clone(),
-        free: free_from,
+        spare: Arc::clone(&spare),
         cancel: Arc::clone(&cancel),
     };
     let thread = std::thread::Builder::new().name("source".into()).spawn(move || engine.run(threads));
@@ -152,5 +153,5 @@ pub fn open(inputs: &[PathBuf], options: OpenOptions) -> Stream {
         // The channel is empty, so there is room.
         let _ = events_to.try_send(Event::Failed(failed));
     }
-    Stream { events, free, cancel, thread: thread.ok() }
+    Stream { events, spare, cancel, thread: thread.ok() }
 }

@@ -124,6 +124,8 @@ pub struct Preview {
 pub const START_SHARE: u64 = 25;
 /// Chunks with fewer points are not started early: setting up their models would cost more.
 const START_POINTS: u64 = 8_192;
+/// Chunks started by one task: a batch of them should soon be there, and keep many threads busy.
+const STARTS: usize = 4;
 /// Decoders that are kept between preview and full pass, over all files. Chunks beyond that are not
 /// started early, so that nothing is ever decoded twice.
 pub const MAX_KEPT: u32 = 1_024;
@@ -221,9 +223,7 @@ impl FileOrder {
         if preview.starts_every > 0 {
             let every = bit_reversed(chunks.div_ceil(preview.starts_every)).map(|i| i * preview.starts_every);
             sequence.extend(every.filter(|&c| preview.starts(layout, c as usize)));
-            let most = sequence.iter().map(|&c| layout.chunks[c as usize].points / START_SHARE).max().unwrap_or(1);
-            let per_task = (BATCH_POINTS as u64 / most.max(1)).max(1) as usize;
-            starts.extend(ranges(sequence.len(), per_task).map(|(start, end)| Part::Starts { start, end }));
+            starts.extend(ranges(sequence.len(), STARTS).map(|(start, end)| Part::Starts { start, end }));
         }
         FileOrder {
             samples: None,

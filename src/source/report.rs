@@ -32,6 +32,8 @@ pub struct ThreadTimes {
     pub convert_secs: f64,
     /// Waiting until its batches were taken.
     pub wait_secs: f64,
+    /// Of the time spent reading, decoding and converting: for the preview.
+    pub preview_secs: f64,
     pub points: u64,
     /// Bytes read, compressed or not.
     pub bytes: u64,
@@ -41,6 +43,13 @@ impl SourceReport {
     /// Points of all files.
     pub fn points_decoded(&self) -> u64 {
         self.files.iter().map(|f| f.points_decoded).sum()
+    }
+}
+
+impl ThreadTimes {
+    /// Seconds spent working, not waiting.
+    pub fn busy_secs(&self) -> f64 {
+        self.read_secs + self.decode_secs + self.convert_secs
     }
 }
 

@@ -20,9 +20,10 @@ use super::{
     order::Task,
     plan::{self, FilePlan},
     report::{Outcome, file_report},
+    spare::Spare,
     work::{Piece, Shared, Worker},
 };
-use crate::scene::{BATCH_POINTS, PointBatch};
+use crate::scene::BATCH_POINTS;
 
 /// Events that wait for the consumer.
 const EVENTS_AHEAD: usize = 4;
@@ -36,7 +37,7 @@ pub struct Engine {
     pub inputs: Vec<PathBuf>,
     pub options: OpenOptions,
     pub events: Sender<Event>,
-    pub free: Receiver<PointBatch>,
+    pub spare: Arc<Spare>,
     pub cancel: Arc<AtomicBool>,
 }
 
@@ -77,7 +78,7 @@ impl Engine {
             files: &plan.files,
             decoder: self.options.decoder,
             kept: Kept::default(),
-            free: &self.free,
+            spare: &self.spare,
             cancel: &self.cancel,
         };
         let result = std::thread::scope(|scope| {

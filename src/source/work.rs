@@ -10,7 +10,7 @@ use std::{
     time::Instant,
 };
 
-use crossbeam_channel::{Receiver, Sender};
+use crossbeam_channel::Sender;
 
 use super::{
     bytes::read_full_at,
@@ -21,6 +21,7 @@ use super::{
     order::{Part, START_SHARE, Task},
     plan::{FilePlan, Layout},
     report::{Outcome, ThreadTimes},
+    spare::Spare,
 };
 use crate::scene::{BATCH_POINTS, PointBatch};
 
@@ -42,7 +43,7 @@ pub struct Shared<'a> {
     pub files: &'a [FilePlan],
     pub decoder: DecoderChoice,
     pub kept: Kept,
-    pub free: &'a Receiver<PointBatch>,
+    pub spare: &'a Spare,
     pub cancel: &'a AtomicBool,
 }
 
@@ -89,6 +90,8 @@ impl<'a> Worker<'a> {
     /// Does one task and sends its result.
     pub fn work(&mut self, task: Task, to: Sender<Piece>) {
         let plan = &self.shared.files[task.file as usize];
+        let preview = matches!(task.part, Part::Samples { .. } | Part::Firsts { .. } | Part::Starts { .. });
+        let before = self.times.busy_secs();
         let outcome = Outcome::default();
         let mut output = Output { to, plan, file: task.file, batch: None, outcome, stopped: false };
         let result = laz::catch(|| match self.file(task.file, plan) {
@@ -99,6 +102,9 @@ impl<'a> Worker<'a> {
             output.fault(0, format!("the decoder stopped: {panic}"));
         }
         self.times.wait_secs += output.finish();
+        if preview {
+            self.times.preview_secs += self.times.busy_secs() - before;
+        }
     }
 
     fn file(&mut self, number: u32, plan: &FilePlan) -> Result<Arc<File>, String> {
@@ -378,8 +384,7 @@ impl Output<'_> {
             let began = Instant::now();
             let file = self.file;
             let batch = self.batch.get_or_insert_with(|| {
-                let mut batch = shared.free.try_recv().unwrap_or_default();
-                batch.clear();
+                let mut batch = shared.spare.take();
                 batch.file = file;
                 batch
             });
