@@ -117,10 +117,11 @@ impl Coder {
     /// Takes in as many bytes as make the interval long again: none to three.
     #[inline]
     fn stretch(&mut self, bytes: &[u8]) {
-        let shift = (self.length.leading_zeros() & !7).min(24);
+        // Of 64 bits, so that no shift is too far for the compiler's liking.
+        let shift = self.length.leading_zeros() & !7;
         let wide = u64::from(self.value) << 32 | u64::from(four(bytes, self.next));
         self.value = ((wide << shift) >> 32) as u32;
-        self.length <<= shift;
+        self.length = (u64::from(self.length) << shift) as u32;
         self.next += shift as usize / 8;
         debug_assert!(self.length >= SHORTEST);
     }

@@ -54,8 +54,7 @@ impl Model {
     pub fn new(symbols: u32) -> Model {
         let symbols = symbols.clamp(2, 2048) as usize;
         let (upper, rows) = match symbols.div_ceil(ROW) {
-            1 => (0, 1),
-            2..=FLAT => (0, FLAT),
+            1..=FLAT => (0, FLAT),
             rows => (rows.div_ceil(ROW), rows),
         };
         let mut slab = vec![[NEVER; ROW]; upper + 2 * rows].into_boxed_slice();
@@ -89,8 +88,6 @@ impl Model {
         let symbol = if upper == 1 {
             let row = first_above(&self.slab[0], scaled) - 1;
             ROW * row + first_above(&self.slab[1 + row], scaled) - 1
-        } else if self.counts == 1 {
-            first_above(&self.slab[0], scaled) - 1
         } else if let Some(rows) = self.slab.first_chunk()
             && upper == 0
         {
