@@ -5,6 +5,8 @@
 //! part of the one that was written. Bit for bit the `laz` crate's `ArithmeticDecoder`, but bytes come
 //! in without a branch: whether a symbol ends a byte is as good as random.
 
+use std::hint::select_unpredictable;
+
 use super::model::{BitModel, Model, REST, Share};
 
 /// Intervals at least this long are not stretched.
@@ -56,7 +58,7 @@ impl Coder {
     #[inline(always)]
     fn interval(&self, unit: u32, share: Share) -> (u32, u32) {
         let start = u32::from(share.start) * unit;
-        let end = if share.end == REST { self.length } else { u32::from(share.end) * unit };
+        let end = select_unpredictable(share.end == REST, self.length, u32::from(share.end) * unit);
         (start, end - start)
     }
 
