@@ -6,11 +6,13 @@
 //! coder       the arithmetic decoder: bytes and models → symbols, bits
 //! integer     integers from symbols and bits, by context
 //! sequential  chunks of formats 0 to 5 → raw records
+//! layered     chunks of formats 6 to 10, only the layers asked for → raw records
 //! reference   the laz crate's decoders: the reference, and what reads streams without chunks
 //! ```
 
 pub mod coder;
 pub mod integer;
+pub mod layered;
 pub mod model;
 mod reference;
 mod search;
@@ -18,6 +20,7 @@ pub mod sequential;
 #[cfg(test)]
 mod tests;
 
+pub use layered::LayeredDecoder;
 pub use reference::{ChunkEnd, DECODER_THREAD, decode_chunk, silence_decoder_panics, take_panic};
 pub use sequential::SequentialDecoder;
 

@@ -1,7 +1,7 @@
 //! Extra bytes: each byte of the record is a layer of its own.
 
 use super::super::coder::Coder;
-use super::contexts::{Facts, Context, Contexts, Lazy, made, models_bytes};
+use super::contexts::{Context, Contexts, Facts, Lazy, made, models_bytes};
 use super::stream::{Field, Part};
 
 /// One byte, coded as the difference from the last.
@@ -38,10 +38,11 @@ impl Part for ExtraByte {
 
 impl Field for ExtraByte {
     #[inline(always)]
-    fn step(&mut self, coder: &mut Coder, bytes: &[u8], facts: Facts, record: &mut [u8]) {
+    fn step(&mut self, coder: &mut Coder, bytes: &[u8], facts: Facts, record: &mut [u8]) -> bool {
         let at = self.at;
         let (model, last) = self.contexts.enter(facts.item());
         *last = last.wrapping_add(coder.symbol(bytes, made(&mut model.0, 256)) as u8);
         record[at] = *last;
+        true
     }
 }

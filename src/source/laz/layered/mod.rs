@@ -34,6 +34,8 @@ mod point;
 mod position;
 mod stream;
 mod tables;
+#[cfg(test)]
+mod tests;
 mod wave;
 
 /// Points decoded at a time, one layer after the other.
@@ -180,7 +182,7 @@ impl LayeredDecoder {
             let good = lanes.decode(records, length);
             done += good;
             if good < block {
-                let fault = "the bytes of a layer end early".to_owned();
+                let fault = lanes.fault();
                 self.fault = Some(fault.clone());
                 end = End::Fault(fault);
                 break;
@@ -225,7 +227,12 @@ fn check_items(items: &[LazItem]) -> Result<u16, String> {
         };
         let is_point = item.item_type() == LazItemType::Point14;
         if item.size() != size || is_point != (i == 0) || item.version() != version {
-            return Err(format!("item {i} is a {:?} of {} bytes, version {}", item.item_type(), item.size(), item.version()));
+            return Err(format!(
+                "item {i} is a {:?} of {} bytes, version {}",
+                item.item_type(),
+                item.size(),
+                item.version()
+            ));
         }
     }
     if (3..=4).contains(&version) { Ok(version) } else { Err(format!("version {version} is not of layered items")) }

@@ -1,7 +1,7 @@
 //! Wave packets: descriptor, offset and size of the waveform, return point, and direction.
 
 use super::super::{coder::Coder, integer::IntegerDecoder};
-use super::contexts::{Facts, Context, Contexts, Lazy, made, models_bytes};
+use super::contexts::{Context, Contexts, Facts, Lazy, made, models_bytes};
 use super::stream::{Field, Part};
 
 /// Bytes of a packet in a record.
@@ -115,10 +115,11 @@ impl Part for WavePacket {
 
 impl Field for WavePacket {
     #[inline(always)]
-    fn step(&mut self, coder: &mut Coder, bytes: &[u8], facts: Facts, record: &mut [u8]) {
+    fn step(&mut self, coder: &mut Coder, bytes: &[u8], facts: Facts, record: &mut [u8]) -> bool {
         let at = self.at;
         let (models, last) = self.contexts.enter(facts.item());
         *last = models.next(last, coder, bytes);
         last.write(&mut record[at..at + PACKET_BYTES]);
+        true
     }
 }
