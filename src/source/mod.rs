@@ -7,7 +7,7 @@
 //!
 //! ```text
 //! inputs    files and folders → a list of files
-//! header    one file's header, with its VLRs (vlr, crs), read tolerantly
+//! header    one file's header, with its VLRs (vlr, crs, wkt, extra_bytes), read tolerantly
 //! chunks    where a LAZ file's chunks are
 //! plan      which files, which grid (grid), which record numbers, which fields
 //! stream    threads and their order; LAS records, LAZ chunks (laz) → columns (record, attributes)
@@ -32,6 +32,7 @@ mod bytes;
 pub(crate) mod chunks;
 pub(crate) mod crs;
 mod error;
+mod extra_bytes;
 mod fields;
 mod grid;
 pub(crate) mod header;
@@ -43,6 +44,7 @@ mod record;
 mod report;
 mod stream;
 pub(crate) mod vlr;
+mod wkt;
 
 pub(crate) use bytes::text;
 pub use error::SourceError;

@@ -19,6 +19,7 @@ use firstlight::{
 
 mod attributes;
 mod broken;
+mod described;
 mod made;
 mod real;
 mod streams;
