@@ -19,6 +19,7 @@ use firstlight::{
 
 mod attributes;
 mod broken;
+mod checksums;
 mod described;
 mod made;
 mod real;
