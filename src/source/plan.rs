@@ -24,6 +24,10 @@ use crate::scene::{Bounds, ExtraDimension, FileFacts, RecordFacts, SceneFacts};
 /// Positions that are looked at where the header's box is in doubt.
 const SAMPLES: u64 = 256;
 
+/// Extra bytes per point that are read at most: a batch of them takes 64 MiB. The header allows 65,505,
+/// and a few bytes of layered LAZ stand for any number of them.
+const MAX_EXTRA_BYTES: usize = 1_024;
+
 /// Records that are looked at for a colour: each may cost a disk's seek.
 const COLOR_SAMPLES: u64 = 16;
 
@@ -106,7 +110,8 @@ fn open_file(path: &Path, fields: Option<Fields>, first_record: u64) -> Result<F
     let bounds = promised_bounds(&header, &layout, points, &file, &mut warnings);
     let reader = RecordReader {
         layout: header.layout,
-        fields: fields.unwrap_or_else(|| automatic_fields(&header, &layout, points, &file)),
+        fields: affordable(fields, &header, &mut warnings)
+            .unwrap_or_else(|| automatic_fields(&header, &layout, points, &file)),
         placement: Placement::IDENTITY,
         bounds: reachable(&header).then(|| grid::box_in_steps(&header.bounds, header.scale, header.offset)).flatten(),
         first_record: first_record as u32,
@@ -223,6 +228,17 @@ fn automatic_fields(header: &Header, layout: &Layout, points: u64, file: &File) 
     // Mostly the first one answers.
     let intensity = !raw_records(header, layout, points, COLOR_SAMPLES).any(colored);
     Fields { intensity, ..Fields::COLORS }
+}
+
+/// The fields asked for, without extra bytes where these are more than a batch can hold.
+fn affordable(fields: Option<Fields>, header: &Header, warnings: &mut Vec<String>) -> Option<Fields> {
+    let mut fields = fields?;
+    let bytes = header.layout.extra_bytes();
+    if fields.extra_bytes && bytes > MAX_EXTRA_BYTES {
+        warnings.push(format!("{bytes} extra bytes per point are not read: expected {MAX_EXTRA_BYTES} at most"));
+        fields.extra_bytes = false;
+    }
+    Some(fields)
 }
 
 /// File offsets of up to about `count` records that lie in the file uncompressed, from the first one on:

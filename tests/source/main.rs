@@ -50,6 +50,14 @@ impl Read {
         self.batches.iter().map(PointBatch::len).sum()
     }
 
+    /// Positions by record number, in whatever order they arrived.
+    fn in_order(&self) -> Vec<[i32; 3]> {
+        let points = self.batches.iter().flat_map(|b| b.records.iter().copied().zip(b.positions.iter().copied()));
+        let mut points: Vec<_> = points.collect();
+        points.sort_unstable_by_key(|p| p.0);
+        points.into_iter().map(|p| p.1).collect()
+    }
+
     fn error(&self) -> &str {
         self.report.files[0].error.as_deref().unwrap_or("")
     }
