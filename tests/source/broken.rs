@@ -204,7 +204,7 @@ fn impossible_numbers_in_compressed_files() {
         let vlr = header + 20;
         let odd: [Change<'_>; 3] =
             [&|b| put(b, vlr, u16::MAX.to_le_bytes()), &|b| put(b, vlr, 0u16.to_le_bytes()), &|b| {
-                put(b, header + 54 + 12, 0u32.to_le_bytes())
+                put(b, header + 54 + 12, 0u32.to_le_bytes());
             }];
         for (i, change) in odd.iter().enumerate() {
             let mut bytes = whole.clone();

@@ -114,7 +114,8 @@ fn each_column_sees_its_own_changed_value_and_no_other() {
     };
     let of = |batches: &[PointBatch]| of_batches(batches, std::slice::from_ref(&dimension), 2);
     let good = of(&[batch(100)]);
-    let changes: [(&str, fn(&mut PointBatch)); 14] = [
+    type Change = fn(&mut PointBatch);
+    let changes: [(&str, Change); 14] = [
         ("color", |b| b.positions[50][2] += 1),
         ("color", |b| b.colors[99][3] ^= 0x100),
         ("color", |b| b.positions.swap(10, 11)),
