@@ -9,13 +9,16 @@ use std::{
 use las::point::Format;
 use serde::Serialize;
 
-use crate::source::{
-    SourceError,
-    chunks::{ChunkSource, LazLayout},
-    crs::Crs,
-    header::{Header, RECORD_LENGTHS},
-    text,
-    vlr::Vlr,
+use crate::{
+    scene::ExtraDimension,
+    source::{
+        SourceError,
+        chunks::{ChunkSource, LazLayout},
+        crs::Crs,
+        header::{GpsTimes, Header, RECORD_LENGTHS},
+        text,
+        vlr::Vlr,
+    },
 };
 
 /// Chunks that the text lists; JSON lists all of them.
@@ -47,6 +50,8 @@ pub struct Info {
     pub offset: [f64; 3],
     pub min: [f64; 3],
     pub max: [f64; 3],
+    /// Range of GPS times, and their offset, where the header says them (LAS 1.5).
+    pub gps_times: Option<GpsTimes>,
     pub crs: Crs,
     /// File offset of the waveform packets in the file, if there are any.
     pub waveforms_at: Option<u64>,
@@ -68,6 +73,8 @@ pub struct GlobalEncoding {
     pub waveforms_beside: bool,
     pub synthetic_returns: bool,
     pub crs_is_wkt: bool,
+    /// LAS 1.5: with `standard_gps_time`, the header's offset is taken off as well.
+    pub offset_gps_time: bool,
 }
 
 /// Point records, as the header describes them.
@@ -84,6 +91,10 @@ pub struct PointInfo {
     /// The header's count, and its counts by return number (from 1; 5 numbers, 15 from LAS 1.4 on).
     pub count: u64,
     pub by_return: Vec<u64>,
+    /// Degrees per step of the scan angle.
+    pub scan_angle_step: f64,
+    /// What the extra bytes mean, as far as the file says.
+    pub extra_dimensions: Vec<ExtraDimension>,
 }
 
 /// One variable length record.
@@ -142,6 +153,11 @@ impl Info {
             doing: "read the coordinate system",
             reason: e.to_string(),
         })?;
+        let extra_dimensions = header.extra_dimensions(&file, &mut warnings);
+        let by_return = header.points_by_return.iter().fold(0, |sum: u64, &n| sum.saturating_add(n));
+        if by_return != header.points {
+            warnings.push(format!("the counts by return add up to {by_return}, not to {} points", header.points));
+        }
         let raw = &header.raw;
         let format = Format::new(header.format).unwrap_or_default();
         Ok(Info {
@@ -168,11 +184,14 @@ impl Info {
                 has_waveform: format.has_waveform,
                 count: header.points,
                 by_return: header.points_by_return.clone(),
+                scan_angle_step: if header.layout.extended { 0.006 } else { 1.0 },
+                extra_dimensions,
             },
             scale: [raw.x_scale_factor, raw.y_scale_factor, raw.z_scale_factor],
             offset: [raw.x_offset, raw.y_offset, raw.z_offset],
             min: header.bounds.min,
             max: header.bounds.max,
+            gps_times: header.gps_times,
             crs,
             waveforms_at: raw.start_of_waveform_data_packet_record,
             vlrs: header.vlrs.iter().map(VlrInfo::new).collect(),
@@ -193,12 +212,15 @@ impl GlobalEncoding {
             waveforms_beside: bit(2),
             synthetic_returns: bit(3),
             crs_is_wkt: bit(4),
+            offset_gps_time: bit(6),
         }
     }
 
     fn words(&self) -> String {
         let words = [
-            (self.standard_gps_time, "standard GPS time"),
+            (self.standard_gps_time && !self.offset_gps_time, "standard GPS time"),
+            (self.standard_gps_time && self.offset_gps_time, "offset GPS time"),
+            (!self.standard_gps_time && self.offset_gps_time, "GPS time of the week, with an offset flag"),
             (self.waveforms_inside, "waveforms inside"),
             (self.waveforms_beside, "waveforms in a .wdp file"),
             (self.synthetic_returns, "synthetic returns"),
@@ -270,6 +292,9 @@ impl Display for Info {
             "records",
             format_args!("format {}, {} bytes, {} of them extra bytes", p.format, p.record_bytes, p.extra_bytes),
         )?;
+        for dimension in &p.extra_dimensions {
+            line(f, "extra", dimension_words(dimension))?;
+        }
         line(f, "points", p.count)?;
         let used = p.by_return.iter().rposition(|&n| n > 0).map_or(0, |last| last + 1);
         let returns: Vec<String> = (1..).zip(&p.by_return[..used]).map(|(r, n)| format!("{r}: {n}")).collect();
@@ -278,6 +303,9 @@ impl Display for Info {
         line(f, "offset", numbers(&self.offset))?;
         line(f, "min", numbers(&self.min))?;
         line(f, "max", numbers(&self.max))?;
+        if let Some(t) = &self.gps_times {
+            line(f, "gps time", format_args!("{} to {}, offset {} million s", t.min, t.max, t.offset))?;
+        }
         line(f, "crs", self.crs.summary().unwrap_or_else(|| "none".into()))?;
         for (name, vlrs) in [("vlr", &self.vlrs), ("evlr", &self.evlrs)] {
             for v in vlrs {
@@ -317,6 +345,27 @@ impl Display for LazInfo {
         }
         Ok(())
     }
+}
+
+/// e.g. "«height» f32 at byte 2, scale 0.01: above ground".
+fn dimension_words(d: &ExtraDimension) -> String {
+    let mut words = format!("«{}» {} at byte {}", d.name, d.type_name(), d.at);
+    let numbers = [("no data", &d.no_data), ("min", &d.min), ("max", &d.max)];
+    let numbers = numbers.iter().filter_map(|(name, n)| n.as_ref().map(|n| (*name, n)));
+    for (name, numbers) in numbers {
+        let numbers: Vec<String> = numbers.iter().map(|n| n.to_string()).collect();
+        words += &format!(", {name} {}", numbers.join(" "));
+    }
+    for (name, values) in [("scale", &d.scale), ("offset", &d.offset)] {
+        if let Some(values) = values {
+            let values: Vec<String> = values.iter().map(f64::to_string).collect();
+            words += &format!(", {name} {}", values.join(" "));
+        }
+    }
+    if !d.description.is_empty() {
+        words += &format!(": {}", d.description);
+    }
+    words
 }
 
 fn line(f: &mut Formatter<'_>, name: &str, value: impl Display) -> fmt::Result {

@@ -6,8 +6,10 @@ use std::path::PathBuf;
 use serde::Serialize;
 
 mod attributes;
+mod extra_bytes;
 
 pub use attributes::{Attributes, WAVE_PACKET_BYTES};
+pub use extra_bytes::{ExtraDimension, ExtraKind, Number};
 
 /// Most points that one [`PointBatch`] carries.
 pub const BATCH_POINTS: usize = 65_536;
@@ -244,6 +246,8 @@ pub struct RecordFacts {
     pub scan_angle_step: f64,
     /// Extra bytes per point.
     pub extra_bytes: usize,
+    /// What they mean, as far as the file says.
+    pub extra_dimensions: Vec<ExtraDimension>,
     /// Bytes of a batch's columns per point, with the attributes that were asked for.
     pub bytes_per_point: usize,
 }

@@ -150,6 +150,7 @@ impl Run<'_> {
             Event::Opened(facts) => {
                 self.tally = Tally::new(facts.files.len());
                 self.progress.expect(facts.points_in_header());
+                self.report.notes.extend(facts.warnings.iter().cloned());
                 self.progressive.open(facts.clone());
                 self.facts = Some(facts);
             }

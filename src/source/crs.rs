@@ -7,6 +7,7 @@ use serde::Serialize;
 use super::{
     bytes::{text, u16_at},
     vlr::Vlr,
+    wkt,
 };
 
 /// WKT and GeoTIFF keys are read up to this many bytes.
@@ -15,6 +16,9 @@ const MAX_BYTES: usize = 1 << 20;
 const USER_ID: &str = "LASF_Projection";
 const WKT: u16 = 2112;
 const GEO_KEYS: u16 = 34735;
+
+/// The code that means "defined by the user".
+const USER_DEFINED: u16 = 32767;
 
 /// What a file says of its coordinate system; a file may say it twice.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -61,6 +65,17 @@ impl Crs {
         }
     }
 
+    fn horizontal(&self) -> Option<Identity> {
+        let projected = self.projected_epsg.filter(|&c| c != USER_DEFINED);
+        // Of a projected system defined by the user, the geographic code says too little.
+        let code = if self.projected_epsg.is_some() { projected } else { self.geographic_epsg };
+        Identity::new(code, self.wkt.as_deref().and_then(wkt::horizontal))
+    }
+
+    fn vertical(&self) -> Option<Identity> {
+        Identity::new(self.vertical_epsg, self.wkt.as_deref().and_then(wkt::vertical))
+    }
+
     /// One line: the name in the WKT, or the codes.
     pub fn summary(&self) -> Option<String> {
         let codes = [
@@ -78,6 +93,61 @@ impl Crs {
     }
 }
 
+/// What tells one coordinate system from another.
+#[derive(Debug, PartialEq)]
+struct Identity {
+    epsg: Option<u32>,
+    /// Letters and digits of the WKT's name: writers differ in the rest.
+    name: Option<String>,
+}
+
+impl Identity {
+    /// `None` if neither code nor name is known.
+    fn new(code: Option<u16>, part: Option<wkt::WktPart>) -> Option<Identity> {
+        let code = code.filter(|&c| c != USER_DEFINED && c != 0).map(u32::from);
+        let part = part.unwrap_or_default();
+        let name: String = part.name.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect();
+        // What names nothing.
+        let name = Some(name).filter(|n| !matches!(n.as_str(), "" | "unnamed" | "unknown"));
+        let identity = Identity { epsg: part.epsg.or(code), name };
+        (identity.epsg.is_some() || identity.name.is_some()).then_some(identity)
+    }
+
+    /// Whether two systems are the same; `None` if nothing tells.
+    fn is(&self, other: &Identity) -> Option<bool> {
+        match (self.epsg.zip(other.epsg), self.name.as_ref().zip(other.name.as_ref())) {
+            (Some((a, b)), _) => Some(a == b),
+            (None, Some((a, b))) => Some(a == b),
+            (None, None) => None,
+        }
+    }
+}
+
+/// What is to be said of several files' coordinate systems: nothing if they agree, else one line that
+/// names the first two that do not.
+pub fn disagreement(files: &[(String, Crs)]) -> Option<String> {
+    let (name, first) = files.iter().find(|(_, crs)| crs.horizontal().is_some()).or(files.first())?;
+    let pair = |a: &Crs, b: &Crs| match (a.horizontal(), b.horizontal()) {
+        (Some(a), Some(b)) => a.is(&b),
+        (None, None) => Some(true),
+        _ => None,
+    };
+    let heights = |a: &Crs, b: &Crs| a.vertical().zip(b.vertical()).and_then(|(a, b)| a.is(&b));
+    let words = |crs: &Crs| crs.summary().unwrap_or_else(|| "no coordinate system".into());
+    let told = |what: &str, other: &(String, Crs), so: &str| {
+        format!("{what}: {name} says {}, {} says {}; {so}", words(first), other.0, words(&other.1))
+    };
+    let unlike = |judge: &dyn Fn(&Crs, &Crs) -> Option<bool>| files.iter().find(|f| judge(first, &f.1) == Some(false));
+    if let Some(other) = unlike(&pair) {
+        return Some(told("the files have different coordinate systems", other, "nothing is reprojected"));
+    }
+    if let Some(other) = unlike(&heights) {
+        return Some(told("the files have different height systems", other, "nothing is reprojected"));
+    }
+    let other = files.iter().find(|f| pair(first, &f.1).is_none())?;
+    Some(told("the files may have different coordinate systems", other, "taken as the same"))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -91,5 +161,59 @@ mod tests {
         assert_eq!((crs.projected_epsg, crs.vertical_epsg, crs.geographic_epsg), (Some(25832), Some(5941), None));
         assert_eq!(crs.summary().unwrap(), "projected EPSG:25832, vertical EPSG:5941");
         Crs::default().take_keys(&bytes[..5]);
+    }
+
+    fn wkt(text: &str) -> Crs {
+        Crs { wkt: Some(text.into()), ..Default::default() }
+    }
+
+    fn codes(projected: u16, vertical: Option<u16>) -> Crs {
+        Crs { projected_epsg: Some(projected), vertical_epsg: vertical, ..Default::default() }
+    }
+
+    fn said(all: &[Crs]) -> String {
+        let files: Vec<_> = (1..).zip(all).map(|(i, crs)| (format!("{i}.las"), crs.clone())).collect();
+        disagreement(&files).unwrap_or_default()
+    }
+
+    const UTM_32: &str = r#"PROJCS["ETRS89 / UTM zone 32N",GEOGCS["ETRS89"],AUTHORITY["EPSG","25832"]]"#;
+
+    #[test]
+    fn the_same_system_in_other_words_is_no_disagreement() {
+        let same = [
+            codes(25832, None),
+            wkt(UTM_32),
+            wkt(r#"PROJCRS["ETRS89_UTM_zone_32N",ID["EPSG",25832]]"#),
+            codes(25832, Some(5941)),
+            Crs { geographic_epsg: Some(4258), ..codes(25832, None) },
+        ];
+        assert_eq!(said(&same), "");
+        assert_eq!(said(&[wkt(r#"PROJCS["A_b"]"#), wkt(r#"PROJCS["A / B"]"#)]), "");
+        assert_eq!(said(&[Crs::default(), Crs::default()]), "");
+        assert_eq!(said(&[]), "");
+    }
+
+    #[test]
+    fn different_systems_are_named() {
+        assert_eq!(
+            said(&[wkt(UTM_32), codes(25832, None), codes(25833, None)]),
+            "the files have different coordinate systems: 1.las says WKT «ETRS89 / UTM zone 32N», \
+             3.las says projected EPSG:25833; nothing is reprojected"
+        );
+        assert!(said(&[wkt(r#"PROJCS["A"]"#), wkt(r#"PROJCS["B"]"#)]).starts_with("the files have different coord"));
+        let heights = said(&[codes(25832, Some(5941)), codes(25832, None), codes(25832, Some(7837))]);
+        assert!(heights.starts_with("the files have different height systems: 1.las says projected"), "{heights}");
+        assert!(heights.contains("3.las says"), "{heights}");
+    }
+
+    #[test]
+    fn what_cannot_be_compared_gets_a_softer_word() {
+        let soft = "the files may have different coordinate systems: ";
+        assert_eq!(
+            said(&[Crs::default(), codes(25832, None)]),
+            format!("{soft}2.las says projected EPSG:25832, 1.las says no coordinate system; taken as the same")
+        );
+        assert!(said(&[codes(25832, None), wkt(r#"PROJCS["A"]"#)]).starts_with(soft));
+        assert!(said(&[codes(25832, None), codes(USER_DEFINED, None)]).starts_with(soft));
     }
 }

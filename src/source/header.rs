@@ -11,20 +11,34 @@ use laz::{LazItemType, LazVlr};
 
 use super::{
     SourceError,
-    bytes::{i32_at, read_vec_at, text},
-    chunks,
+    bytes::{i32_at, read_vec_at, text, u16_at, u64_at},
+    chunks, extra_bytes,
     inputs::from_io,
     layout::RecordLayout,
     vlr::{self, Vlr},
 };
-use crate::scene::Bounds;
+use crate::scene::{Bounds, ExtraDimension};
 
 /// Bytes of a record of each point format, without extra bytes.
 pub const RECORD_LENGTHS: [u16; 11] = [20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67];
 
-/// Bytes of the header that LAS 1.4 defines; 1.5 adds some behind them that nobody here needs.
-const HEADER_1_4: usize = 375;
+/// Bytes of the header that LAS 1.5 defines.
+const HEADER_1_5: usize = 393;
 const HEADER_1_0: u64 = 227;
+
+/// So many lists of extra bytes are read, each up to this many bytes: 341 dimensions.
+const MAX_EXTRA_LISTS: usize = 64;
+const MAX_EXTRA_LIST: usize = 64 << 10;
+
+/// What LAS 1.5 adds to the header (bytes 375 to 392).
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct GpsTimes {
+    pub max: f64,
+    pub min: f64,
+    /// Millions of seconds that are taken off standard GPS time, if the global encoding's bits 0 and 6
+    /// are both set.
+    pub offset: u16,
+}
 
 /// A file's header and its lists of variable length records.
 #[derive(Debug)]
@@ -46,6 +60,8 @@ pub struct Header {
     pub offset: [f64; 3],
     /// The header's box, as it is.
     pub bounds: Bounds,
+    /// LAS 1.5 only.
+    pub gps_times: Option<GpsTimes>,
     pub vlrs: Vec<Vlr>,
     pub evlrs: Vec<Vlr>,
     /// Oddities that cost nothing, one line each.
@@ -57,7 +73,7 @@ impl Header {
     pub fn read(path: &Path) -> Result<(Header, File), SourceError> {
         let (file, file_length) = open_regular(path)?;
         let io = |error| from_io(path, "read the header", &error);
-        let mut bytes = read_vec_at(&file, 0, HEADER_1_4.min(file_length as usize)).map_err(io)?;
+        let mut bytes = read_vec_at(&file, 0, (HEADER_1_5 as u64).min(file_length) as usize).map_err(io)?;
         check_signature(path, &bytes)?;
         let found = bytes.len() as u64;
         let cut = |expected| SourceError::HeaderCut { path: path.into(), expected, found };
@@ -98,6 +114,7 @@ impl Header {
         let (points, points_by_return) = counts(&raw, &mut warnings);
         let (scale, offset) = usable_transform(&raw, &mut warnings);
         let bounds = Bounds { min: [raw.min_x, raw.min_y, raw.min_z], max: [raw.max_x, raw.max_y, raw.max_z] };
+        let gps_times = gps_times(&raw, &bytes, format, &mut warnings);
         let (vlrs, evlrs) = records(&file, file_length, &raw, standard, &mut warnings).map_err(io)?;
         let mut layout = RecordLayout::new(format, usize::from(found - expected));
         if compressed && wave_packet_is_omitted(&file, &layout, vlrs.iter().chain(&evlrs)) {
@@ -122,6 +139,7 @@ impl Header {
             scale,
             offset,
             bounds,
+            gps_times,
             vlrs,
             evlrs,
             warnings,
@@ -137,6 +155,19 @@ impl Header {
     /// File offset of the point data.
     pub fn data_at(&self) -> u64 {
         u64::from(self.raw.offset_to_point_data)
+    }
+
+    /// What the extra bytes mean, as far as the file says.
+    pub fn extra_dimensions(&self, file: &File, warnings: &mut Vec<String>) -> Vec<ExtraDimension> {
+        let mut lists = Vec::new();
+        for vlr in self.all_vlrs().filter(|v| v.is(extra_bytes::USER_ID, extra_bytes::RECORD_ID)).take(MAX_EXTRA_LISTS)
+        {
+            match vlr.data(file, MAX_EXTRA_LIST) {
+                Ok(list) => lists.push(list),
+                Err(e) => warnings.push(format!("extra bytes: cannot read their list at byte {}: {e}", vlr.data_at)),
+            }
+        }
+        extra_bytes::parse(&lists, self.layout.extra_bytes(), warnings)
     }
 
     /// e.g. "LAZ 1.4, format 7".
@@ -195,6 +226,24 @@ fn counts(raw: &las::raw::Header, warnings: &mut Vec<String>) -> (u64, Vec<u64>)
         }
         _ => (legacy, legacy_by_return),
     }
+}
+
+/// The fields that LAS 1.5 appends.
+fn gps_times(raw: &las::raw::Header, bytes: &[u8], format: u8, warnings: &mut Vec<String>) -> Option<GpsTimes> {
+    if raw.version.minor < 5 {
+        return None;
+    }
+    if format < 6 {
+        warnings.push(format!("LAS 1.5 has point record formats 6 to 10, found {format}; it is read all the same"));
+    }
+    let size = usize::from(raw.header_size);
+    if size < HEADER_1_5 || bytes.len() < HEADER_1_5 {
+        warnings
+            .push(format!("expected a header of {HEADER_1_5} bytes in LAS 1.5, found {size}: no range of GPS times"));
+        return None;
+    }
+    let time = |at| f64::from_bits(u64_at(bytes, at));
+    Some(GpsTimes { max: time(375), min: time(383), offset: u16_at(bytes, 391) })
 }
 
 /// Scale and offset, with anything unusable replaced (and said so): a scale of zero would put all

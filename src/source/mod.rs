@@ -7,7 +7,7 @@
 //!
 //! ```text
 //! inputs    files and folders → a list of files
-//! header    one file's header, with its VLRs (vlr, crs), read tolerantly
+//! header    one file's header, with its VLRs (vlr, crs, wkt, extra_bytes), read tolerantly
 //! chunks    where a LAZ file's chunks are
 //! plan      which files, which grid (grid), which record numbers, which fields
 //! order     in which order their points are read
@@ -34,6 +34,7 @@ mod bytes;
 pub(crate) mod chunks;
 pub(crate) mod crs;
 mod error;
+mod extra_bytes;
 mod fields;
 mod grid;
 pub(crate) mod header;
@@ -47,6 +48,7 @@ mod record;
 mod report;
 mod stream;
 pub(crate) mod vlr;
+mod wkt;
 mod work;
 
 pub(crate) use bytes::text;

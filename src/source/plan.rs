@@ -14,18 +14,24 @@ use super::{
     FileReport, OpenOptions, SourceError,
     bytes::read_vec_at,
     chunks::{Chunk, LazLayout},
+    crs::{self, Crs},
     fields::Fields,
     grid::{self, FileGrid, Placement},
     header::{Header, xyz_at},
     inputs, laz,
     order::{self, FileOrder, Task},
     record::RecordReader,
+    vlr::EVLR_HEADER,
     work::{PIECE_BYTES, READ_BYTES},
 };
-use crate::scene::{BATCH_POINTS, Bounds, FileFacts, RecordFacts, SceneFacts};
+use crate::scene::{BATCH_POINTS, Bounds, ExtraDimension, FileFacts, RecordFacts, SceneFacts};
 
 /// Positions that are looked at where the header's box is in doubt.
 const SAMPLES: u64 = 256;
+
+/// Extra bytes per point that are read at most: a batch of them takes 64 MiB. The header allows 65,505,
+/// and a few bytes of layered LAZ stand for any number of them.
+const MAX_EXTRA_BYTES: usize = 1_024;
 
 /// Records that are looked at for a colour: each may cost a disk's seek.
 const COLOR_SAMPLES: u64 = 16;
@@ -50,6 +56,8 @@ pub struct FilePlan {
     pub order: FileOrder,
     /// Held open, for the first few files of a scene.
     pub file: Option<Arc<File>>,
+    pub crs: Crs,
+    pub extra_dimensions: Vec<ExtraDimension>,
     pub warnings: Vec<String>,
 }
 
@@ -89,13 +97,14 @@ pub fn make(paths: &[PathBuf], options: &OpenOptions, cancel: &AtomicBool) -> Re
         return Err(if errors.len() == 1 { errors.remove(0) } else { SourceError::AllFailed { errors } });
     }
     let grids: Vec<FileGrid> = files.iter().map(FilePlan::grid).collect();
-    let (grid, warnings) = grid::choose(&grids);
+    let (grid, mut warnings) = grid::choose(&grids);
     for (file, own) in files.iter_mut().zip(&grids) {
         file.reader.placement = Placement::new(own, &grid);
     }
     // An empty file's box is often all zeros: it must not pull the view away.
     let with_points = files.iter().filter(|f| f.points > 0).map(|f| f.bounds);
     let bounds = with_points.reduce(|a, b| a.union(&b)).unwrap_or(files[0].bounds);
+    warnings.extend(crs::disagreement(&files.iter().map(FilePlan::named_crs).collect::<Vec<_>>()));
     let facts = SceneFacts { grid, bounds, files: files.iter().map(FilePlan::facts).collect(), warnings };
     let failed = errors.into_iter().map(|(path, error)| FileReport::not_opened(path, &error)).collect();
     let tasks = put_in_order(&mut files, options);
@@ -138,13 +147,19 @@ fn open_file(path: &Path, fields: Option<Fields>, first_record: u64) -> Result<F
     let bounds = promised_bounds(&header, &layout, points, &file, &mut warnings);
     let reader = RecordReader {
         layout: header.layout,
-        fields: fields.unwrap_or_else(|| automatic_fields(&header, &layout, points, &file)),
+        fields: affordable(fields, &header, &mut warnings)
+            .unwrap_or_else(|| automatic_fields(&header, &layout, points, &file)),
         placement: Placement::IDENTITY,
         bounds: reachable(&header).then(|| grid::box_in_steps(&header.bounds, header.scale, header.offset)).flatten(),
         first_record: first_record as u32,
     };
+    let extra_dimensions = header.extra_dimensions(&file, &mut warnings);
+    let crs = Crs::read(&file, header.all_vlrs()).unwrap_or_else(|e| {
+        warnings.push(format!("cannot read the coordinate system: {e}"));
+        Crs::default()
+    });
     let (order, file) = (FileOrder::default(), Some(Arc::new(file)));
-    Ok(FilePlan { header, layout, points, reader, bounds, order, file, warnings })
+    Ok(FilePlan { header, layout, points, reader, bounds, order, file, crs, extra_dimensions, warnings })
 }
 
 impl FilePlan {
@@ -183,6 +198,10 @@ impl FilePlan {
         FileGrid { scale: self.header.scale, offset: self.header.offset, bounds: self.bounds }
     }
 
+    fn named_crs(&self) -> (String, Crs) {
+        (self.header.path.display().to_string(), self.crs.clone())
+    }
+
     fn facts(&self) -> FileFacts {
         FileFacts {
             path: self.header.path.clone(),
@@ -194,6 +213,7 @@ impl FilePlan {
                 format: self.header.format,
                 scan_angle_step: if self.reader.layout.extended { 0.006 } else { 1.0 },
                 extra_bytes: self.reader.layout.extra_bytes(),
+                extra_dimensions: self.extra_dimensions.clone(),
                 bytes_per_point: self.reader.bytes_per_point(),
             },
         }
@@ -202,16 +222,25 @@ impl FilePlan {
 
 /// Records that an uncompressed file has room for, at most the header's count.
 fn las_points(header: &Header, warnings: &mut Vec<String>) -> u64 {
-    let room = header.file_length.saturating_sub(header.data_at()) / header.record_length() as u64;
-    let evlrs_behind = header.evlrs.iter().any(|v| v.data_at > header.data_at());
-    let waves_behind = header.raw.start_of_waveform_data_packet_record.is_some();
-    if room > header.points && !evlrs_behind && !waves_behind {
+    let (start, length) = (header.data_at(), header.record_length() as u64);
+    let room = header.file_length.saturating_sub(start) / length;
+    // Extended records and waveform packets lie behind the points. (A file of LAS 1.3 or later without
+    // packets says zero.)
+    let waves = header.raw.start_of_waveform_data_packet_record;
+    let behind = header.evlrs.iter().map(|v| v.data_at - EVLR_HEADER).chain(waves).filter(|&at| at > start);
+    let end = behind.min().unwrap_or(header.file_length).min(header.file_length);
+    let before = (end - start.min(end)) / length;
+    let points = header.points;
+    if before > points {
+        warnings
+            .push(format!("the header counts {points} points, the file has room for {before}: the rest is not read"));
+    } else if before < points.min(room) {
         warnings.push(format!(
-            "the header counts {} points, the file has room for {room}: the rest is not read",
-            header.points
+            "the header counts {points} points, {before} fit before what follows them at byte {end}: \
+             those after that may be garbage"
         ));
     }
-    room.min(header.points)
+    room.min(points)
 }
 
 /// True if the header's box makes sense and lies where the header's scale and offset can reach.
@@ -268,6 +297,17 @@ fn automatic_fields(header: &Header, layout: &Layout, points: u64, file: &File) 
     // Mostly the first one answers.
     let intensity = !raw_records(header, layout, points, COLOR_SAMPLES).any(colored);
     Fields { intensity, ..Fields::COLORS }
+}
+
+/// The fields asked for, without extra bytes where these are more than a batch can hold.
+fn affordable(fields: Option<Fields>, header: &Header, warnings: &mut Vec<String>) -> Option<Fields> {
+    let mut fields = fields?;
+    let bytes = header.layout.extra_bytes();
+    if fields.extra_bytes && bytes > MAX_EXTRA_BYTES {
+        warnings.push(format!("{bytes} extra bytes per point are not read: expected {MAX_EXTRA_BYTES} at most"));
+        fields.extra_bytes = false;
+    }
+    Some(fields)
 }
 
 /// File offsets of up to about `count` records that lie in the file uncompressed, from the first one on:

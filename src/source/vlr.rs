@@ -7,7 +7,7 @@ use super::bytes::{read_vec_at, text, u16_at, u64_at};
 
 /// Size in bytes of a VLR's header, and of an extended one's.
 const VLR_HEADER: u64 = 54;
-const EVLR_HEADER: u64 = 60;
+pub const EVLR_HEADER: u64 = 60;
 
 /// More records than this are not listed: a count that large is an accident.
 const MAX_RECORDS: usize = 65_536;

@@ -114,6 +114,9 @@ impl App {
             }
             First::Opened(scene) => {
                 self.messages.clear();
+                for warning in &scene.warnings {
+                    self.messages.add(Severity::Note, warning.as_str());
+                }
                 let title = format!("{} – firstlight", title(&scene, inputs));
                 self.ctx.send_viewport_cmd(ViewportCommand::Title(title));
                 self.navigation = Some(Navigation::new(scene.grid, &scene.bounds, self.size));

@@ -167,6 +167,123 @@ fn impossible_numbers_in_the_header() {
     }
 }
 
+/// LAZ with impossible counts and places: an answer or a line, never a wrong point.
+#[test]
+fn impossible_numbers_in_compressed_files() {
+    let bench = Bench::new();
+    for format in [1, 7] {
+        let scan = Scan::new(format, 3_000);
+        let whole = scan.bytes(As::Laz(500));
+        let header = if format == 7 { 375 } else { 227 };
+        let count = |b: &mut [u8], n: u64| {
+            put(b, 107, (n as u32).to_le_bytes());
+            if format == 7 {
+                put(b, 247, n.to_le_bytes());
+            }
+        };
+        type Change<'a> = &'a dyn Fn(&mut Vec<u8>);
+        let cases: [(&str, usize, &str, Change<'_>); 7] = [
+            ("2⁶³ points and more", 3_000, "are missing", &|b| count(b, (1 << 63) + u64::from(u32::MAX))),
+            ("no points", 0, "", &|b| count(b, 0)),
+            ("fewer points", 700, "", &|b| count(b, 700)),
+            ("points past the end", 0, "are missing", &|b| put(b, 96, (u32::MAX - 1).to_le_bytes())),
+            ("points in the last bytes", 0, "are missing", &|b| put(b, 96, (whole.len() as u32 - 3).to_le_bytes())),
+            ("no VLR", 0, "expected a «laszip encoded» VLR", &|b| put(b, 100, 0u32.to_le_bytes())),
+            ("a record of 65535 bytes", 0, "expected items of 65535 bytes", &|b| put(b, 105, u16::MAX.to_le_bytes())),
+        ];
+        for (name, points, line, change) in cases {
+            let mut bytes = whole.clone();
+            change(&mut bytes);
+            let (found, error) = match bench.read(&bytes) {
+                Ok(read) => (read.positions_in_order(), read.error().to_owned()),
+                Err(error) => (Vec::new(), error.to_string()),
+            };
+            assert_eq!(found, scan.positions()[..points], "format {format}, {name}: {error}");
+            assert!(error.contains(line) && error.is_empty() == line.is_empty(), "format {format}, {name}: {error}");
+        }
+        // What these lead to depends on the bytes they point to: an answer or a line, soon.
+        let vlr = header + 20;
+        let odd: [Change<'_>; 3] =
+            [&|b| put(b, vlr, u16::MAX.to_le_bytes()), &|b| put(b, vlr, 0u16.to_le_bytes()), &|b| {
+                put(b, header + 54 + 12, 0u32.to_le_bytes());
+            }];
+        for (i, change) in odd.iter().enumerate() {
+            let mut bytes = whole.clone();
+            change(&mut bytes);
+            let (points, error) = bench.outcome(&bytes);
+            assert!(points == 3_000 || !error.is_empty(), "format {format}, {i}: {points} points and no error");
+        }
+    }
+}
+
+/// Lists of records that overlap, run past the end or into the points cost nothing but a warning.
+#[test]
+fn records_that_lie_where_they_cannot() {
+    let bench = Bench::new();
+    let scan = Scan { extra_bytes: 4, ..Scan::new(6, 1_000) };
+    let las = scan.bytes(As::Las);
+    let read = |change: &dyn Fn(&mut Vec<u8>)| {
+        let mut bytes = las.clone();
+        change(&mut bytes);
+        let read = bench.read(&bytes).unwrap();
+        assert_eq!((read.points(), read.error()), (1_000, ""));
+        assert_eq!(read.positions_in_order(), scan.positions());
+        read.report.files[0].warnings.join("; ")
+    };
+    assert_eq!(read(&|_| ()), "");
+    // One VLR in no space at all.
+    assert!(read(&|b| put(b, 100, 1u32.to_le_bytes())).contains("expected 1 VLRs, found 0: no room"));
+    // EVLRs at, before and behind every border. (In the header itself, its bytes are taken for records.)
+    let evlrs = |at: u64, count: u32| {
+        read(&|b| {
+            put(b, 235, at.to_le_bytes());
+            put(b, 243, count.to_le_bytes());
+        })
+    };
+    let end = las.len() as u64;
+    for at in [end, end - 59, end + 1, u64::MAX, u64::MAX - 60, 1 << 63] {
+        assert!(evlrs(at, 3).contains("expected 3 EVLRs, found 0: no room for another one"), "{at}");
+    }
+    for at in [1, 100, 374, 375, end / 2, end - 60] {
+        assert!(!evlrs(at, u32::MAX).is_empty(), "{at}");
+    }
+    // Two that claim each other's bytes: the first one's length is beyond everything.
+    for length in [1u64 << 40, u64::MAX, u64::MAX - 70] {
+        let told = read(&|b| {
+            let at = b.len() as u64;
+            put(b, 235, at.to_le_bytes());
+            put(b, 243, 2u32.to_le_bytes());
+            for _ in 0..2 {
+                let from = b.len();
+                b.resize(from + 60, 0);
+                put(b, from + 20, length.to_le_bytes());
+            }
+        });
+        assert!(told.contains(&format!("EVLR 0 says {length} bytes")) && told.contains("only 60 are there"), "{told}");
+    }
+    // A waveform's start anywhere.
+    for at in [1, 375, end - 1, end + 1, u64::MAX] {
+        read(&|b| put(b, 227, at.to_le_bytes()));
+    }
+}
+
+/// A few bytes of layered LAZ can stand for gigabytes of extra bytes: they are left out, with a line.
+#[test]
+fn too_many_extra_bytes_are_left_out() {
+    let bench = Bench::new();
+    for (extra_bytes, read) in [(1_024, true), (1_025, false)] {
+        let scan = Scan { extra_bytes, ..Scan::new(6, 20) };
+        for how in [As::Las, As::Laz(10)] {
+            let found = bench.read(&scan.bytes(how)).unwrap();
+            assert_eq!((found.positions_in_order(), found.error()), (scan.positions(), ""));
+            let told = found.report.files[0].warnings.join("; ");
+            assert_eq!(told.is_empty(), read, "{told}");
+            assert_eq!(found.batches[0].attributes.extra.is_empty(), !read);
+            assert!(read || told.contains("1025 extra bytes per point are not read: expected 1024 at most"));
+        }
+    }
+}
+
 #[test]
 fn more_points_than_record_numbers() {
     let bench = Bench::new();

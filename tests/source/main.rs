@@ -19,6 +19,8 @@ use firstlight::{
 
 mod attributes;
 mod broken;
+mod checksums;
+mod described;
 mod made;
 mod real;
 mod streams;
@@ -57,6 +59,10 @@ impl Read {
         let mut points: Vec<_> = points.collect();
         points.sort_unstable_by_key(|p| p.0);
         points
+    }
+
+    fn positions_in_order(&self) -> Vec<[i32; 3]> {
+        self.in_record_order().into_iter().map(|p| p.1).collect()
     }
 
     fn error(&self) -> &str {
