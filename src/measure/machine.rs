@@ -16,6 +16,8 @@ pub struct Machine {
     /// Processes that wanted to run, averaged over the minute before the measurement (Linux). Well
     /// above zero: others were at work, and times are noisy.
     pub load_before: Option<f64>,
+    /// The same after it; the measurement's own work is in it.
+    pub load_after: Option<f64>,
 }
 
 impl Machine {
@@ -34,9 +36,19 @@ impl Machine {
             cores: std::thread::available_parallelism().map_or(1, usize::from),
             memory_bytes: kibibytes.map(|n| n * 1024),
             system: system.trim_end().into(),
-            load_before: file("/proc/loadavg").split(' ').next().and_then(|text| text.parse().ok()),
+            load_before: load(),
+            load_after: None,
         }
     }
+
+    /// Says that the measurement is over.
+    pub fn finish(&mut self) {
+        self.load_after = load();
+    }
+}
+
+fn load() -> Option<f64> {
+    fs::read_to_string("/proc/loadavg").ok()?.split(' ').next()?.parse().ok()
 }
 
 /// The first line `key: value`, without quotes.

@@ -6,7 +6,8 @@
     python3 tests/reference/laspy_seconds.py lazrs-parallel scan.laz     # the laz crate, rayon's threads
     python3 tests/reference/laspy_seconds.py laszip xyz,rgb scan.laz     # layered files: only these fields
 
-Points come chunk by chunk, as raw records; nothing is converted to columns. Opening the file is counted,
+Points come chunk by chunk, as raw records; nothing is converted to columns (of a file that is not
+compressed it is only read, then). Opening the file is counted,
 starting Python and importing laspy are not. The last line is the seconds, the one before the points.
 """
 

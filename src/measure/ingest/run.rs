@@ -84,6 +84,7 @@ pub fn bench_ingest(settings: &BenchIngest, tell: &mut dyn FnMut(&str)) -> Resul
         let only = if errors.len() == 1 { errors.pop() } else { None };
         return Err(only.unwrap_or(SourceError::AllFailed { errors }).into());
     }
+    report.machine.finish();
     report.problems.extend(errors.iter().map(SourceError::to_string));
     Ok(report)
 }

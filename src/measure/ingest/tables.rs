@@ -2,7 +2,7 @@
 
 use super::{
     coverage::CoverageRuns,
-    report::{IngestFile, IngestReport, ReaderRuns},
+    report::{CeilingRuns, IngestFile, IngestReport, ReaderRuns},
     screen::ScreenRuns,
 };
 use crate::measure::{
@@ -31,7 +31,10 @@ pub fn facts(report: &IngestReport) -> Vec<String> {
     let machine = &report.machine;
     let memory =
         machine.memory_bytes.map_or(String::new(), |n| format!(", {:.0} GiB memory", n as f64 / 2f64.powi(30)));
-    let load = machine.load_before.map_or(String::new(), |load| format!(", load {load:.2} before"));
+    let load = machine
+        .load_before
+        .zip(machine.load_after)
+        .map_or(String::new(), |(before, after)| format!(", load {before:.2} before and {after:.2} after"));
     let mut lines = vec![
         format!("{}, {} rounds; medians, quartiles in brackets", report.program, report.repeat),
         format!("{}, {} cores{memory}{load}, {}", machine.processor, machine.cores, machine.system),
@@ -88,7 +91,11 @@ fn rates(file: &IngestFile) -> Table {
     );
     for runs in &file.reader {
         let secs = runs.seconds.map_or(f64::NAN, |s| s.median);
-        let of = |ceiling: Option<f64>| ceiling.map_or("–".into(), |ceiling| number(100.0 * ceiling / secs, 1));
+        let batch_bytes = runs.samples.first().map_or(0, |sample| sample.batch_bytes);
+        let of = |ceilings: &[CeilingRuns], bytes: u64| {
+            let rate = CeilingRuns::rate(ceilings, runs.way.threads);
+            rate.map_or("–".into(), |rate| number(100.0 * bytes as f64 / secs / rate, 1))
+        };
         let single = file.reader.iter().find(|r| r.way.threads == Some(1) && same_way(r, runs));
         let speed_up = single.and_then(|single| Some(single.seconds?.median / secs));
         let opened: Vec<f64> = runs.samples.iter().map(|s| 1e3 * s.secs_to_opened).collect();
@@ -98,8 +105,8 @@ fn rates(file: &IngestFile) -> Table {
             threads(runs.way.threads),
             spread(runs.points_per_sec, 1e-6, 2),
             runs.bytes_per_sec.map_or("–".into(), |s| number(s.median * 1e-6, 0)),
-            of(IngestFile::ceiling_secs(&file.read_alone, runs.way.threads)),
-            of(IngestFile::ceiling_secs(&file.memcpy, runs.way.threads)),
+            of(&file.read_alone, file.point_bytes),
+            of(&file.memcpy, batch_bytes),
             speed_up.map_or("–".into(), |s| number(s, 2)),
             number(quantile(&opened, 0.5), 1),
             spread(Summary::of(&first), 1.0, 1),
