@@ -37,7 +37,8 @@ The first run of each file is not counted: it brings the file into memory.
 Other programs: --against \"python3 tests/reference/laspy_seconds.py laszip\" runs LASzip through laspy
 (pip install laspy laszip lazrs), with lazrs at the end the laz crate; `laszip xyz,rgb` decodes only these fields. Any program will do that
 takes a file as its last argument and prints, on its last line, the seconds that decoding took, without
-its own start-up. If it prints a line `points N` too, N must be right.
+its own start-up. If it prints a line `points N` too, N must be right; a line `processor SECONDS` is its processor
+time, by which programs can be compared on a machine that is busy with other work.
 
 REPORT_DIR gets ingest.json (every sample), ingest.csv (a line per run) and index.html (tables and charts);
 the tables are printed as Markdown too. They are written at the end: what stops the program before

@@ -70,6 +70,11 @@ fn check_file(file: &Value, rounds: usize) -> Result<(), String> {
                 ensure(busy <= number(&sample["secs"])? + 0.01, "stages within the run")?;
                 total += busy;
             }
+            if let Some(busy) = sample["processor_secs"].as_f64() {
+                // Counted in hundredths, by as many threads as there are, and two beside them.
+                let most = (threads.len() as f64 + 2.0) * (number(&sample["secs"])? + 0.02);
+                ensure((0.0..=most).contains(&busy), "processor time")?;
+            }
             ensure(total > 0.0, "some thread did something")?;
             let order = ["secs_to_opened", "secs_to_first_batch", "secs"].map(|name| number(&sample[name]));
             let order = order.into_iter().collect::<Result<Vec<_>, _>>()?;
@@ -146,6 +151,7 @@ fn a_report_agrees_with_itself() {
         ("/files/1/reader/2/samples/1/secs_to_first_batch", json!(1e9)),
         ("/files/1/reader/3/samples/1/threads/0/points", json!(1)),
         ("/files/1/reader/3/samples/1/threads/0/decode_secs", json!(1e9)),
+        ("/files/1/reader/3/samples/1/processor_secs", json!(1e9)),
         ("/files/0/memcpy/1/samples_secs/0", json!(-1.0)),
         ("/files/0/coverage/0/samples/2/total_cells", json!(4097)),
         ("/files/1/coverage/1/samples/0/steps/0/cells", json!(4097)),

@@ -9,6 +9,7 @@ use clap::{ValueEnum, builder::PossibleValue};
 use serde::Serialize;
 
 use crate::{
+    measure::machine::processor_secs,
     scene::{Attributes, PointBatch, SceneFacts},
     source::{self, DecoderChoice, Event, Fields, OpenOptions, Order, SourceError, SourceReport, ThreadTimes},
 };
@@ -103,6 +104,8 @@ pub struct ReaderSample {
     pub secs_to_opened: f64,
     /// Until the first batch came out of the channel; null without points.
     pub secs_to_first_batch: Option<f64>,
+    /// Processor time of all threads, in hundredths; null where the system does not tell.
+    pub processor_secs: Option<f64>,
     pub points: u64,
     pub batches: u64,
     /// What all batches hold.
@@ -112,6 +115,16 @@ pub struct ReaderSample {
     /// Most heap memory that the reader could take, by its own account.
     pub memory_bound_bytes: u64,
     pub threads: Vec<ThreadTimes>,
+}
+
+/// Processor time below this is too coarse in hundredths.
+const LEAST_PROCESSOR_SECS: f64 = 0.2;
+
+impl ReaderSample {
+    /// Processor time, where hundredths of a second tell enough.
+    pub fn counted_secs(&self) -> Option<f64> {
+        self.processor_secs.filter(|&secs| secs >= LEAST_PROCESSOR_SECS)
+    }
 }
 
 /// What a run of the reader gave.
@@ -130,12 +143,14 @@ pub fn read(
     mut look: impl FnMut(&SceneFacts, &PointBatch, f64),
 ) -> Result<Reading, SourceError> {
     let inputs: [PathBuf; 1] = [path.into()];
+    let processor = processor_secs();
     let start = Instant::now();
     let stream = source::open(&inputs, way.options());
     let mut sample = ReaderSample {
         secs: 0.0,
         secs_to_opened: 0.0,
         secs_to_first_batch: None,
+        processor_secs: None,
         points: 0,
         batches: 0,
         batch_bytes: 0,
@@ -164,6 +179,7 @@ pub fn read(
             }
             (Ok(Event::Finished(report)), Some(_)) => {
                 sample.secs = secs;
+                sample.processor_secs = processor.zip(processor_secs()).map(|(before, after)| after - before);
                 sample.memory_bound_bytes = report.memory_bound_bytes;
                 sample.threads.clone_from(&report.threads);
                 return Ok(Reading { sample, report });

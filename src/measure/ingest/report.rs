@@ -111,6 +111,12 @@ impl AgainstRuns {
     pub fn ratios(&self, ours: &ReaderRuns) -> Vec<f64> {
         self.samples.iter().zip(&ours.samples).map(|(their, our)| their.secs / our.secs).collect()
     }
+
+    /// The same by processor time, where it is known and long enough.
+    pub fn processor_ratios(&self, ours: &ReaderRuns) -> Vec<f64> {
+        let ratio = |(their, our): (&AgainstSample, &ReaderSample)| Some(their.processor_secs? / our.counted_secs()?);
+        self.samples.iter().zip(&ours.samples).filter_map(ratio).collect()
+    }
 }
 
 impl IngestFile {

@@ -80,6 +80,7 @@ fn rates(file: &IngestFile) -> Table {
             "way",
             "threads",
             "M points/s",
+            "M points per core-second",
             "MB/s of the file",
             "of read alone, %",
             "of memcpy, %",
@@ -99,11 +100,14 @@ fn rates(file: &IngestFile) -> Table {
         let single = file.reader.iter().find(|r| r.way.threads == Some(1) && same_way(r, runs));
         let speed_up = single.and_then(|single| Some(single.seconds?.median / secs));
         let opened: Vec<f64> = runs.samples.iter().map(|s| 1e3 * s.secs_to_opened).collect();
+        let per_core: Vec<f64> =
+            runs.samples.iter().filter_map(|s| Some(s.points as f64 / s.counted_secs()?)).collect();
         let first: Vec<f64> = runs.samples.iter().filter_map(|s| Some(1e3 * s.secs_to_first_batch?)).collect();
         table.rows.push(vec![
             runs.way.name(file.compressed),
             threads(runs.way.threads),
             spread(runs.points_per_sec, 1e-6, 2),
+            spread(Summary::of(&per_core), 1e-6, 2),
             runs.bytes_per_sec.map_or("–".into(), |s| number(s.median * 1e-6, 0)),
             of(&file.read_alone, file.point_bytes),
             of(&file.memcpy, batch_bytes),
@@ -143,7 +147,7 @@ fn ceilings(file: &IngestFile) -> Table {
 fn against(file: &IngestFile) -> Option<Table> {
     let mut table = Table::new(
         "Against other programs, round by round",
-        &["program", "M points/s", "s", "our way", "our threads", "times as fast as it"],
+        &["program", "M points/s", "s", "our way", "our threads", "times as fast as it", "by processor time"],
     );
     for theirs in &file.against {
         for ours in &file.reader {
@@ -154,6 +158,7 @@ fn against(file: &IngestFile) -> Option<Table> {
                 ours.way.name(file.compressed),
                 threads(ours.way.threads),
                 spread(Summary::of(&theirs.ratios(ours)), 1.0, 2),
+                spread(Summary::of(&theirs.processor_ratios(ours)), 1.0, 2),
             ]);
         }
     }
