@@ -1,6 +1,12 @@
 //! Exit codes and the errors behind them.
 
-use crate::{headless::HeadlessError, measure::BenchError, render::RenderError, synth::SynthError, view::ViewError};
+use crate::{
+    headless::HeadlessError,
+    measure::{BenchError, ReportDirError, ingest::IngestError},
+    render::RenderError,
+    synth::SynthError,
+    view::ViewError,
+};
 
 /// The process's exit code. Listed for users in [`HELP`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -47,6 +53,10 @@ pub enum CliError {
     View(#[from] ViewError),
     #[error(transparent)]
     Bench(#[from] BenchError),
+    #[error(transparent)]
+    Ingest(#[from] IngestError),
+    #[error(transparent)]
+    ReportDir(#[from] ReportDirError),
 }
 
 impl CliError {
@@ -68,6 +78,14 @@ impl CliError {
                 BenchError::Camera(_) => ExitStatus::Usage,
                 BenchError::Render(_) => ExitStatus::Device,
             },
+            CliError::Ingest(error) => match error {
+                IngestError::Source(_) | IngestError::ReadAlone { .. } | IngestError::Unsteady { .. } => {
+                    ExitStatus::Input
+                }
+                IngestError::Camera(_) | IngestError::Against { .. } => ExitStatus::Usage,
+                IngestError::Render(_) => ExitStatus::Device,
+            },
+            CliError::ReportDir(_) => ExitStatus::Output,
         }
     }
 }

@@ -4,6 +4,7 @@
 //! is caught and becomes such a line too.
 
 mod bench_frames;
+mod bench_ingest;
 mod exit;
 mod info;
 mod open;
@@ -54,6 +55,9 @@ enum Command {
     /// Time frames while a scene grows: does the frame time stay flat?
     #[command(after_help = exit::HELP)]
     BenchFrames(bench_frames::BenchFramesArgs),
+    /// Measure how fast points come from files to the screen, against ceilings and other programs
+    #[command(after_help = bench_ingest::HELP)]
+    BenchIngest(bench_ingest::BenchIngestArgs),
 }
 
 /// Runs the program. `started` is where reported seconds begin.
@@ -90,6 +94,7 @@ fn run(args: impl IntoIterator<Item = OsString>, started: Instant) -> Result<Exi
         Some(Command::Render(args)) => render::run(*args, started),
         Some(Command::Info(args)) => info::run(args),
         Some(Command::BenchFrames(args)) => bench_frames::run(args, started),
+        Some(Command::BenchIngest(args)) => bench_ingest::run(args),
         Some(Command::Synth(args)) => {
             synth::run(&args)?;
             Ok(ExitStatus::Ok)

@@ -8,7 +8,7 @@ use super::settings::Settings;
 use crate::{
     render::{BackendInfo, Camera},
     scene::{Bounds, Grid, SceneFacts},
-    source::SourceReport,
+    source::{SourceReport, ThreadTimes},
 };
 
 /// The contents of REPORT.json.
@@ -60,6 +60,10 @@ pub struct Report {
     pub seconds: Seconds,
     /// Largest resident memory of the process; null where the system does not tell.
     pub peak_memory_bytes: Option<u64>,
+    /// Most heap memory that the reader takes, whatever the size of the files; null if it was stopped.
+    pub reader_memory_bound_bytes: Option<u64>,
+    /// How the decoder threads spent their time; empty if the reading was stopped before the end.
+    pub reader_threads: Vec<ThreadTimes>,
     /// Of red, green, blue, alpha (one byte each) per pixel, row by row from the top.
     pub picture_sha256: String,
     pub outputs: OutputPaths,
@@ -236,6 +240,8 @@ impl Report {
             bounds: None,
             seconds: Seconds::default(),
             peak_memory_bytes: None,
+            reader_memory_bound_bytes: None,
+            reader_threads: Vec::new(),
             picture_sha256: String::new(),
             outputs: OutputPaths {
                 picture: path(&settings.outputs.picture),

@@ -136,7 +136,7 @@ impl Run<'_> {
     /// that there are: how soon something shows is one of the numbers to report.
     fn take_events(&mut self, stream: &Stream) -> Result<(), HeadlessError> {
         while self.source.is_none() && self.progressive.wants_points() {
-            if self.report.frames == 0 && self.progressive.waiting() >= u64::from(self.settings.insertion_points) {
+            if self.report.frames == 0 && self.progressive.waiting() > 0 {
                 break;
             }
             let event = stream.events().recv().map_err(|_| HeadlessError::ReaderEnded)?;
@@ -242,6 +242,10 @@ impl Run<'_> {
         report.bounds = self.facts.as_ref().map(|facts| facts.bounds);
         report.seconds = self.seconds;
         report.peak_memory_bytes = peak_memory_bytes();
+        if let Some(source) = &self.source {
+            report.reader_memory_bound_bytes = Some(source.memory_bound_bytes);
+            report.reader_threads.clone_from(&source.threads);
+        }
         report.picture_sha256 = picture_sha256(picture);
         report
     }

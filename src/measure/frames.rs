@@ -7,7 +7,10 @@ use std::{fmt::Write, time::Instant};
 
 use serde::Serialize;
 
-use super::feed::{Fed, Feed};
+use super::{
+    feed::{Fed, Feed},
+    stats::quantile,
+};
 use crate::{
     headless::default_camera,
     render::{
@@ -228,14 +231,6 @@ impl Run<'_> {
     }
 }
 
-/// The value below which a share of the samples lies (nearest rank); NaN without samples.
-fn quantile(samples: &[f64], share: f64) -> f64 {
-    let mut sorted = samples.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let rank = (share * sorted.len() as f64).ceil().max(1.0) as usize - 1;
-    sorted.get(rank).copied().unwrap_or(f64::NAN)
-}
-
 /// The report as a table.
 pub fn markdown(report: &BenchFramesReport) -> String {
     let mut out = String::new();
@@ -275,19 +270,4 @@ pub fn markdown(report: &BenchFramesReport) -> String {
         ));
     }
     out
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn quantiles_are_the_nearest_rank() {
-        let samples: Vec<f64> = (1..=100).rev().map(f64::from).collect();
-        assert_eq!(quantile(&samples, 0.5), 50.0);
-        assert_eq!(quantile(&samples, 0.99), 99.0);
-        assert_eq!(quantile(&samples, 1.0), 100.0);
-        assert_eq!(quantile(&[7.0], 0.5), 7.0);
-        assert!(quantile(&[], 0.5).is_nan());
-    }
 }

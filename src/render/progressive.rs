@@ -27,7 +27,8 @@ const MAX_POINTS: u64 = u32::MAX as u64;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct StoreOptions {
     pub seed: u64,
-    /// Points per insertion, 1 to [`MAX_INSERTION_POINTS`] (the last one of a scene may be smaller).
+    /// Points per insertion, 1 to [`MAX_INSERTION_POINTS`]. A scene's last one may be smaller, and its first
+    /// one is its first batch, so that something shows at once.
     pub insertion_points: u32,
     /// Store no more than this many points.
     pub max_points: u64,
@@ -232,6 +233,8 @@ impl<B: Backend> Progressive<B> {
         self.backend.resize([request.view.width, request.view.height])?;
         let start = Instant::now();
         let limit = self.backend.insertions_per_frame() - self.undrawn;
+        // The first picture does not wait for more.
+        let limit = if self.insertions == 0 { limit.min(1) } else { limit };
         self.insert_waiting(self.budget.insertions(request.fill, limit))?;
         self.insert_secs = start.elapsed().as_secs_f64();
         if self.unsettled && self.is_loaded() {
@@ -328,6 +331,7 @@ impl<B: Backend> Progressive<B> {
         let room = self.options.max_points.min(MAX_POINTS) - u64::from(self.stored);
         let wanted = u64::from(self.options.insertion_points).min(room) as usize;
         while self.staged.len() < wanted
+            && (self.insertions > 0 || self.staged.is_empty())
             && let Some(batch) = self.queue.front()
         {
             // Also if the batch will enter only in part: its points need a rule for their colours.
@@ -356,7 +360,8 @@ impl<B: Backend> Progressive<B> {
                 self.taken = 0;
             }
         }
-        let complete = self.staged.len() == wanted || (self.input_ended && self.queue.is_empty());
+        let complete =
+            self.staged.len() == wanted || (self.input_ended && self.queue.is_empty()) || self.insertions == 0;
         if complete { self.staged.len() as u32 } else { 0 }
     }
 }

@@ -3,6 +3,8 @@
 use std::{
     fs::File,
     io::{self, Read, Seek, SeekFrom},
+    ops::Deref,
+    sync::Arc,
 };
 
 /// Bytes that a [`RangeReader`] reads ahead at most.
@@ -39,8 +41,8 @@ pub fn read_vec_at(file: &File, offset: u64, length: usize) -> io::Result<Vec<u8
 
 /// A stretch of a file as a stream, read through a window, so that memory does not depend on the
 /// stretch's length. Reading past its end is an `UnexpectedEof`, whatever follows in the file.
-pub struct RangeReader<'f> {
-    file: &'f File,
+pub struct RangeReader<F = Arc<File>> {
+    file: F,
     start: u64,
     end: u64,
     /// File offset of `window[0]`.
@@ -50,8 +52,8 @@ pub struct RangeReader<'f> {
     next: usize,
 }
 
-impl<'f> RangeReader<'f> {
-    pub fn new(file: &'f File, start: u64, end: u64) -> Self {
+impl<F: Deref<Target = File>> RangeReader<F> {
+    pub fn new(file: F, start: u64, end: u64) -> Self {
         RangeReader { file, start, end: end.max(start), window_at: start, window: Vec::new(), next: 0 }
     }
 
@@ -66,7 +68,7 @@ impl<'f> RangeReader<'f> {
         self.next = 0;
         let wanted = self.end.saturating_sub(self.window_at).min(WINDOW as u64) as usize;
         self.window.resize(wanted, 0);
-        let found = read_full_at(self.file, &mut self.window, self.window_at)?;
+        let found = read_full_at(&self.file, &mut self.window, self.window_at)?;
         self.window.truncate(found);
         Ok(())
     }
@@ -84,7 +86,7 @@ impl<'f> RangeReader<'f> {
     }
 }
 
-impl Read for RangeReader<'_> {
+impl<F: Deref<Target = File>> Read for RangeReader<F> {
     fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
         if self.next >= self.window.len() {
             self.refill()?;
@@ -109,7 +111,7 @@ impl Read for RangeReader<'_> {
     }
 }
 
-impl Seek for RangeReader<'_> {
+impl<F: Deref<Target = File>> Seek for RangeReader<F> {
     /// Positions are relative to the stretch's start.
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
         let target = match to {

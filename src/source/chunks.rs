@@ -240,7 +240,7 @@ fn read_table(
 
 /// Decodes the table's entries; each must fit between the ones before it and the table.
 fn table_entries(
-    reader: RangeReader<'_>,
+    reader: RangeReader<&File>,
     count: u32,
     chunk_size: Option<u32>,
     (start, end): (u64, u64),

@@ -2,16 +2,18 @@
 //!
 //! [`open`] returns at once; a thread of its own lists the inputs, reads the headers, and starts the
 //! decoder threads. Everything arrives through one bounded channel, in an order that depends on the
-//! files alone and not on thread timing: [`Event::Opened`], then batches in record order, file after
-//! file, then [`Event::Finished`]; or [`Event::Failed`] if nothing could be opened.
+//! files alone and not on thread timing: [`Event::Opened`], then batches (an early view of everything
+//! first: see [`Order`]), then [`Event::Finished`]; or [`Event::Failed`] if nothing could be opened.
 //!
 //! ```text
 //! inputs    files and folders → a list of files
 //! header    one file's header, with its VLRs (vlr, crs, wkt, extra_bytes), read tolerantly
 //! chunks    where a LAZ file's chunks are
 //! plan      which files, which grid (grid), which record numbers, which fields
-//! stream    threads and their order; LAS records, LAZ chunks (laz) → columns (record, attributes)
-//! report    what came of it, per file
+//! order     in which order their points are read
+//! stream    threads, and how their results get into that order
+//! work      what a thread does: LAS records, LAZ chunks (laz, kept) → columns (record, attributes)
+//! report    what came of it, per file and per thread
 //! ```
 
 use std::{
@@ -23,7 +25,8 @@ use std::{
     thread::JoinHandle,
 };
 
-use crossbeam_channel::{Receiver, Sender, bounded};
+use crossbeam_channel::{Receiver, bounded};
+use spare::Spare;
 
 use crate::scene::{PointBatch, SceneFacts};
 
@@ -37,26 +40,34 @@ mod fields;
 mod grid;
 pub(crate) mod header;
 mod inputs;
+mod kept;
 mod layout;
 mod laz;
+mod order;
 mod plan;
 mod record;
 mod report;
+mod spare;
 mod stream;
 pub(crate) mod vlr;
 mod wkt;
+mod work;
 
 pub(crate) use bytes::text;
 pub use error::SourceError;
 pub use fields::Fields;
 pub use inputs::list as list_files;
-pub use report::{FileReport, SourceReport};
+pub use laz::DecoderChoice;
+pub use order::Order;
+pub use report::{FileReport, SourceReport, ThreadTimes};
 
 /// How to read.
 #[derive(Clone, Default)]
 pub struct OpenOptions {
     /// Decoder threads; by default one per core, less one where there are more than two.
     pub threads: Option<usize>,
+    pub order: Order,
+    pub decoder: DecoderChoice,
     /// Fields to read besides the position. `None`: what the automatic colours ([`ColorStats::rule`])
     /// depend on, file by file, and no more.
     ///
@@ -81,7 +92,7 @@ pub enum Event {
 /// A running reader. Dropping it stops all threads promptly and waits for them.
 pub struct Stream {
     events: Receiver<Event>,
-    free: Sender<PointBatch>,
+    spare: Arc<Spare>,
     cancel: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
 }
@@ -94,8 +105,7 @@ impl Stream {
 
     /// Gives a batch's memory back to the decoders. Not needed for progress, only for speed.
     pub fn recycle(&self, batch: PointBatch) {
-        // With enough spare buffers already, this one's memory goes back to the system.
-        let _ = self.free.try_send(batch);
+        self.spare.give(batch);
     }
 }
 
@@ -129,13 +139,13 @@ pub fn open(inputs: &[PathBuf], options: OpenOptions) -> Stream {
     let threads = options.threads.unwrap_or(if cores > 2 { cores - 1 } else { cores }).max(1);
     let (events_ahead, spare) = stream::capacities(threads);
     let (events_to, events) = bounded(events_ahead);
-    let (free, free_from) = bounded(spare);
+    let spare = Arc::new(Spare::new(spare));
     let cancel = Arc::new(AtomicBool::new(false));
     let engine = stream::Engine {
         inputs: inputs.to_vec(),
         options,
         events: events_to.clone(),
-        free: free_from,
+        spare: Arc::clone(&spare),
         cancel: Arc::clone(&cancel),
     };
     let thread = std::thread::Builder::new().name("source".into()).spawn(move || engine.run(threads));
@@ -145,5 +155,5 @@ pub fn open(inputs: &[PathBuf], options: OpenOptions) -> Stream {
         // The channel is empty, so there is room.
         let _ = events_to.try_send(Event::Failed(failed));
     }
-    Stream { events, free, cancel, thread: thread.ok() }
+    Stream { events, spare, cancel, thread: thread.ok() }
 }

@@ -4,22 +4,27 @@
 use std::{
     fs::File,
     path::{Path, PathBuf},
-    sync::atomic::{AtomicBool, Ordering},
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
 };
 
 use super::{
     FileReport, OpenOptions, SourceError,
     bytes::read_vec_at,
-    chunks::LazLayout,
+    chunks::{Chunk, LazLayout},
     crs::{self, Crs},
     fields::Fields,
     grid::{self, FileGrid, Placement},
     header::{Header, xyz_at},
-    inputs,
+    inputs, laz,
+    order::{self, FileOrder, Task},
     record::RecordReader,
     vlr::EVLR_HEADER,
+    work::{PIECE_BYTES, READ_BYTES},
 };
-use crate::scene::{Bounds, ExtraDimension, FileFacts, RecordFacts, SceneFacts};
+use crate::scene::{BATCH_POINTS, Bounds, ExtraDimension, FileFacts, RecordFacts, SceneFacts};
 
 /// Positions that are looked at where the header's box is in doubt.
 const SAMPLES: u64 = 256;
@@ -49,6 +54,10 @@ pub struct FilePlan {
     pub bounds: Bounds,
     pub crs: Crs,
     pub extra_dimensions: Vec<ExtraDimension>,
+    /// In which order it is read.
+    pub order: FileOrder,
+    /// Held open, for the first few files of a scene.
+    pub file: Option<Arc<File>>,
     pub warnings: Vec<String>,
 }
 
@@ -56,10 +65,16 @@ pub struct FilePlan {
 pub struct Plan {
     pub facts: SceneFacts,
     pub files: Vec<FilePlan>,
+    /// What the decoder threads do, in this order.
+    pub tasks: Vec<Task>,
     pub failed: Vec<FileReport>,
 }
 
-/// Lists the inputs, reads all headers, and lays the grid.
+/// Files that are held open at most; beyond that they are opened task by task. Many systems allow 1,024
+/// open files, macOS 256.
+const MAX_OPEN: usize = 128;
+
+/// Lists the inputs, reads all headers, lays the grid, and puts the work in order.
 pub fn make(paths: &[PathBuf], options: &OpenOptions, cancel: &AtomicBool) -> Result<Plan, SourceError> {
     let (paths, mut errors) = inputs::list(paths);
     let mut files: Vec<FilePlan> = Vec::new();
@@ -69,8 +84,9 @@ pub fn make(paths: &[PathBuf], options: &OpenOptions, cancel: &AtomicBool) -> Re
             break;
         }
         match open_file(&path, options.fields, first_record) {
-            Ok(file) => {
+            Ok(mut file) => {
                 first_record += file.points;
+                file.file = file.file.filter(|_| files.len() < MAX_OPEN);
                 files.push(file);
             }
             Err(error) => errors.push((path, error)),
@@ -91,7 +107,28 @@ pub fn make(paths: &[PathBuf], options: &OpenOptions, cancel: &AtomicBool) -> Re
     warnings.extend(crs::disagreement(&files.iter().map(FilePlan::named_crs).collect::<Vec<_>>()));
     let facts = SceneFacts { grid, bounds, files: files.iter().map(FilePlan::facts).collect(), warnings };
     let failed = errors.into_iter().map(|(path, error)| FileReport::not_opened(path, &error)).collect();
-    Ok(Plan { facts, files, failed })
+    let tasks = put_in_order(&mut files, options);
+    Ok(Plan { facts, files, tasks, failed })
+}
+
+/// Decides each file's order, and that of the whole scene.
+fn put_in_order(files: &mut [FilePlan], options: &OpenOptions) -> Vec<Task> {
+    let compressed = files.iter().filter(|f| matches!(f.layout, Layout::Laz(_))).count();
+    let kept = order::MAX_KEPT / compressed.max(1) as u32;
+    let mut orders: Vec<FileOrder> = files
+        .iter()
+        .map(|file| match &file.layout {
+            Layout::Las => FileOrder::of_records(options.order, file.points),
+            Layout::Laz(layout) => {
+                FileOrder::of_chunks(options.order, layout, laz::keepable(layout, options.decoder), kept)
+            }
+        })
+        .collect();
+    let tasks = order::schedule(options.order, &mut orders);
+    for (file, order) in files.iter_mut().zip(orders) {
+        file.order = order;
+    }
+    tasks
 }
 
 fn open_file(path: &Path, fields: Option<Fields>, first_record: u64) -> Result<FilePlan, SourceError> {
@@ -121,10 +158,42 @@ fn open_file(path: &Path, fields: Option<Fields>, first_record: u64) -> Result<F
         warnings.push(format!("cannot read the coordinate system: {e}"));
         Crs::default()
     });
-    Ok(FilePlan { header, layout, points, reader, bounds, crs, extra_dimensions, warnings })
+    let (order, file) = (FileOrder::default(), Some(Arc::new(file)));
+    Ok(FilePlan { header, layout, points, reader, bounds, crs, extra_dimensions, order, file, warnings })
 }
 
 impl FilePlan {
+    /// True if nothing says where a chunk ends: decoding goes on into the next one, and gives garbage.
+    pub fn ends_unknown(&self) -> bool {
+        matches!(&self.layout, Layout::Laz(layout) if layout.ends_unknown())
+    }
+
+    /// True if its decoders are kept between preview and full pass.
+    pub fn keeps_decoders(&self) -> bool {
+        self.order.preview.starts_every > 0
+    }
+
+    /// Most heap memory that a thread needs to read it, without batches.
+    pub fn thread_bytes(&self) -> u64 {
+        match &self.layout {
+            Layout::Las => READ_BYTES as u64 + self.header.record_length() as u64,
+            Layout::Laz(layout) => {
+                let chunk = layout.chunks.iter().map(|c| c.bytes).filter(|&b| b <= laz::MAX_CHUNK_BYTES).max();
+                chunk.unwrap_or(0) + PIECE_BYTES as u64 + laz::DECODER_BYTES
+            }
+        }
+    }
+
+    /// Heap memory of its lists: chunks, and tasks.
+    pub fn list_bytes(&self) -> u64 {
+        let chunks = match &self.layout {
+            Layout::Las => 0,
+            Layout::Laz(layout) => layout.chunks.len() * size_of::<Chunk>(),
+        };
+        let tasks = self.points.div_ceil(BATCH_POINTS as u64) as usize * 4 * size_of::<Task>();
+        (chunks + tasks + self.order.sequence.len() * size_of::<u32>()) as u64
+    }
+
     fn grid(&self) -> FileGrid {
         FileGrid { scale: self.header.scale, offset: self.header.offset, bounds: self.bounds }
     }

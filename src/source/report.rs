@@ -13,12 +13,43 @@ use super::{
 pub struct SourceReport {
     /// The files of [`SceneFacts::files`](crate::scene::SceneFacts::files), in that order, then the inputs that could not be opened.
     pub files: Vec<FileReport>,
+    /// What each decoder thread did.
+    pub threads: Vec<ThreadTimes>,
+    /// Most heap memory that reading takes at any time, whatever the size of the files: batches on their
+    /// way, buffers, kept decoders, lists of chunks.
+    pub memory_bound_bytes: u64,
+}
+
+/// How a decoder thread spent its time.
+#[derive(Debug, Clone, Default, PartialEq, serde::Serialize)]
+pub struct ThreadTimes {
+    pub name: String,
+    /// Reading bytes from files.
+    pub read_secs: f64,
+    /// Decompressing LAZ.
+    pub decode_secs: f64,
+    /// From raw records to columns.
+    pub convert_secs: f64,
+    /// Waiting until its batches were taken.
+    pub wait_secs: f64,
+    /// Of the time spent reading, decoding and converting: for the preview.
+    pub preview_secs: f64,
+    pub points: u64,
+    /// Bytes read, compressed or not.
+    pub bytes: u64,
 }
 
 impl SourceReport {
     /// Points of all files.
     pub fn points_decoded(&self) -> u64 {
         self.files.iter().map(|f| f.points_decoded).sum()
+    }
+}
+
+impl ThreadTimes {
+    /// Seconds spent working, not waiting.
+    pub fn busy_secs(&self) -> f64 {
+        self.read_secs + self.decode_secs + self.convert_secs
     }
 }
 
@@ -55,23 +86,44 @@ impl FileReport {
 #[derive(Default)]
 pub struct Outcome {
     pub oddities: Oddities,
-    /// The first fault, and how many chunks had one.
-    pub fault: Option<String>,
+    /// The foremost fault, by record or chunk, and how many there are.
+    pub fault: Option<(u64, String)>,
     pub faults: u64,
-    /// The first chunk that looks damaged although it could be decoded, and how many do.
-    pub suspect: Option<String>,
+    /// The foremost chunk that looks damaged although it could be decoded, and how many do.
+    pub suspect: Option<(u64, String)>,
     pub suspects: u64,
 }
 
 impl Outcome {
-    /// Adds a later task's outcome.
+    pub fn note_fault(&mut self, at: u64, what: String) {
+        self.faults += 1;
+        foremost(&mut self.fault, Some((at, what)));
+    }
+
+    pub fn note_suspect(&mut self, at: u64, what: impl FnOnce() -> String) {
+        self.suspects += 1;
+        if self.suspect.as_ref().is_none_or(|(before, _)| at < *before) {
+            self.suspect = Some((at, what()));
+        }
+    }
+
+    /// Adds another task's outcome.
     pub fn merge(&mut self, other: Outcome) {
         self.oddities.outside_bounds += other.oddities.outside_bounds;
         self.oddities.beyond_grid += other.oddities.beyond_grid;
         self.faults += other.faults;
-        self.fault = self.fault.take().or(other.fault);
+        foremost(&mut self.fault, other.fault);
         self.suspects += other.suspects;
-        self.suspect = self.suspect.take().or(other.suspect);
+        foremost(&mut self.suspect, other.suspect);
+    }
+}
+
+/// Keeps what lies further to the front of the file.
+fn foremost(kept: &mut Option<(u64, String)>, other: Option<(u64, String)>) {
+    if let Some(other) = other
+        && kept.as_ref().is_none_or(|(before, _)| other.0 < *before)
+    {
+        *kept = Some(other);
     }
 }
 
@@ -79,7 +131,7 @@ impl Outcome {
 pub fn file_report(plan: &FilePlan, (decoded, outcome): (u64, Outcome)) -> FileReport {
     let header = &plan.header;
     let mut warnings = plan.warnings.clone();
-    if let Some(suspect) = outcome.suspect {
+    if let Some((_, suspect)) = outcome.suspect {
         warnings.push(if outcome.suspects > 1 {
             format!("{suspect}; so are {} more chunks", outcome.suspects - 1)
         } else {
@@ -97,8 +149,8 @@ pub fn file_report(plan: &FilePlan, (decoded, outcome): (u64, Outcome)) -> FileR
     let missing = header.points.saturating_sub(decoded);
     let error = (missing > 0 || outcome.fault.is_some()).then(|| {
         let why = match (&outcome.fault, &plan.layout) {
-            (Some(fault), _) if outcome.faults > 1 => format!("{fault}; {} more faults", outcome.faults - 1),
-            (Some(fault), _) => fault.clone(),
+            (Some((_, fault)), _) if outcome.faults > 1 => format!("{fault}; {} more faults", outcome.faults - 1),
+            (Some((_, fault)), _) => fault.clone(),
             (None, Layout::Las) => format!(
                 "expected {} records of {} bytes from byte {} on, the file ends at byte {} (in record {})",
                 header.points,

@@ -205,8 +205,10 @@ fn slots_do_not_depend_on_the_pieces_offered() {
         for piece in [1000, 4096, 777, 30_000] {
             for (n, mut session) in Session::all(&cloud, options(4096)).into_iter().enumerate() {
                 let request = request(&cloud, &cloud.camera(), point_size, 5000);
+                // The first piece is the first insertion, whatever its size.
+                session.offer(&cloud, 0..500, 500);
                 // A frame after each piece: the slots must not depend on when frames are drawn either.
-                for start in (0..cloud.len()).step_by(piece) {
+                for start in (500..cloud.len()).step_by(piece) {
                     session.offer(&cloud, start..cloud.len().min(start + piece), piece);
                     session.frame(&request);
                 }
@@ -366,6 +368,8 @@ fn what_fits_into_memory_is_shown() {
     let mut session = Session::new("small".into(), Box::new(backend), &cloud.facts, options(1000));
     let request = request(&cloud, &cloud.camera(), 2, 100);
     session.offer(&cloud, 0..cloud.len(), 5000);
+    let first = session.frame(&request);
+    assert_eq!(first.points_stored, 1000, "the first frame does not wait for more than one insertion");
     let error = session.progressive.frame(&request).expect_err("memory is full");
     assert!(matches!(error, RenderError::OutOfMemory { stored: 2000, .. }), "{error}");
     // The insertions before the refused one entered in the same frame and are still to be drawn.

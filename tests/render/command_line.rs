@@ -70,7 +70,7 @@ fn every_mistake_has_its_line_and_its_code() {
 #[test]
 fn help_and_version_are_no_mistakes() {
     let bench = Bench::new();
-    for args in ["--help", "render --help", "synth --help", "info --help", "help", "--version"] {
+    for args in ["--help", "render --help", "synth --help", "info --help", "bench-ingest --help", "help", "--version"] {
         assert!(!bench.run(args).expect(0).stdout.is_empty());
     }
     let help = bench.run("render --help").stdout;

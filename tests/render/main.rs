@@ -9,5 +9,6 @@
 mod bench;
 mod command_line;
 mod damaged;
+mod ingest;
 mod picture;
 mod projection;

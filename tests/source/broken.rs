@@ -93,12 +93,13 @@ fn laz_cut_anywhere_gives_points_and_a_line() {
             for cut in cuts.into_iter().chain([table + 4, table + 8, bytes.len() - 1]).chain(spread) {
                 match bench.read(&bytes[..cut]) {
                     Ok(read) => {
-                        let found: Vec<_> = read.batches.iter().flat_map(|b| b.positions.iter().copied()).collect();
+                        let found = read.in_record_order();
                         // The last point or two of a cut stream may be garbage: the decoder reads ahead.
                         // Where the first chunk of unknown size ended, some garbage may pass for points.
                         let lost = format == 1 && how != As::Laz(500) && found.len() < 3_000;
                         let sure = if lost { 200.min(found.len()) } else { found.len() }.saturating_sub(2);
-                        assert!(found[..sure] == expected[..sure], "format {format} {how:?} cut at {cut}");
+                        let right = found[..sure].iter().all(|(record, p, _)| *p == expected[*record as usize]);
+                        assert!(right, "format {format} {how:?} cut at {cut}");
                         assert!(!lost || found.len() < 300, "{} points, most of them garbage", found.len());
                         if found.len() < 3_000 {
                             assert!(read.error().contains("are missing"), "{}", read.error());
@@ -197,7 +198,7 @@ fn impossible_numbers_in_compressed_files() {
                 Ok(read) => (read.in_order(), read.error().to_owned()),
                 Err(error) => (Vec::new(), error.to_string()),
             };
-            assert_eq!(found, scan.positions()[..points], "format {format}, {name}: {error}");
+            assert!(found == scan.positions()[..points], "format {format}, {name}: {} points, {error}", found.len());
             assert!(error.contains(line) && error.is_empty() == line.is_empty(), "format {format}, {name}: {error}");
         }
         // What these lead to depends on the bytes they point to: an answer or a line, soon.
@@ -226,7 +227,7 @@ fn records_that_lie_where_they_cannot() {
         change(&mut bytes);
         let read = bench.read(&bytes).unwrap();
         assert_eq!((read.points(), read.error()), (1_000, ""));
-        assert_eq!(read.in_order(), scan.positions());
+        assert!(read.in_order() == scan.positions());
         read.report.files[0].warnings.join("; ")
     };
     assert_eq!(read(&|_| ()), "");
@@ -274,7 +275,7 @@ fn too_many_extra_bytes_are_left_out() {
         let scan = Scan { extra_bytes, ..Scan::new(6, 20) };
         for how in [As::Las, As::Laz(10)] {
             let found = bench.read(&scan.bytes(how)).unwrap();
-            assert_eq!((found.in_order(), found.error()), (scan.positions(), ""));
+            assert!(found.in_order() == scan.positions() && found.error().is_empty());
             let told = found.report.files[0].warnings.join("; ");
             assert_eq!(told.is_empty(), read, "{told}");
             assert_eq!(found.batches[0].attributes.extra.is_empty(), !read);
@@ -344,10 +345,12 @@ fn one_broken_chunk_does_not_take_the_others_with_it() {
     let layer = data_at(&bytes) + 8 + 36 + 4;
     put(&mut bytes, layer, u32::MAX.to_le_bytes());
     let read = bench.read(&bytes).unwrap();
-    assert_eq!(read.points(), 150_000);
-    assert_eq!(read.batches[0].records[0], 50_000, "record numbers stay those of the file");
+    // The broken chunk's first record is stored raw.
+    assert_eq!(read.points(), 150_001);
+    let records: Vec<u32> = read.in_record_order().iter().map(|p| p.0).collect();
+    assert_eq!((records[0], records[1]), (0, 50_000), "record numbers stay those of the file");
     let error = read.error();
-    assert!(error.starts_with("50000 of 200000 points are missing, 150000 are kept: chunk 0 (bytes "), "{error}");
+    assert!(error.starts_with("49999 of 200000 points are missing, 150001 are kept: chunk 0 (bytes "), "{error}");
     assert!(error.contains("its layers add up to"), "{error}");
 }
 

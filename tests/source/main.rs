@@ -50,12 +50,20 @@ impl Read {
         self.batches.iter().map(PointBatch::len).sum()
     }
 
-    /// Positions by record number, in whatever order they arrived.
-    fn in_order(&self) -> Vec<[i32; 3]> {
-        let points = self.batches.iter().flat_map(|b| b.records.iter().copied().zip(b.positions.iter().copied()));
+    /// Record number, position and colour of all points, by record number.
+    fn in_record_order(&self) -> Vec<(u32, [i32; 3], [u16; 4])> {
+        let points = self.batches.iter().flat_map(|b| {
+            let columns = b.records.iter().zip(&b.positions).zip(&b.colors);
+            columns.map(|((&record, &position), &color)| (record, position, color))
+        });
         let mut points: Vec<_> = points.collect();
         points.sort_unstable_by_key(|p| p.0);
-        points.into_iter().map(|p| p.1).collect()
+        points
+    }
+
+    /// Positions by record number, in whatever order they arrived.
+    fn in_order(&self) -> Vec<[i32; 3]> {
+        self.in_record_order().into_iter().map(|p| p.1).collect()
     }
 
     fn error(&self) -> &str {
@@ -97,16 +105,13 @@ fn read_with(inputs: &[PathBuf], options: OpenOptions) -> Result<Read, SourceErr
         }
     }
     let (facts, report) = (facts.expect("Opened"), report.expect("Finished"));
-    let mut next = 0;
     for batch in &batches {
         assert!(!batch.is_empty() && batch.len() <= BATCH_POINTS);
         assert_eq!((batch.colors.len(), batch.records.len()), (batch.len(), batch.len()));
-        for &record in &batch.records {
-            assert!(record >= next, "record {record} after {next}");
-            next = record + 1;
-        }
     }
     let read = Read { facts, batches, report };
+    let sorted = read.in_record_order();
+    assert!(sorted.is_sorted_by(|a, b| a.0 < b.0), "a record came twice");
     assert_eq!(read.points() as u64, read.report.points_decoded());
     Ok(read)
 }

@@ -37,7 +37,7 @@ fn made_scans_come_back_as_they_were() {
                 let scan = Scan { extra_bytes, ..Scan::new(format, 5_000) };
                 std::fs::write(&path, scan.bytes(how)).unwrap();
                 let read = read(std::slice::from_ref(&path), 2).unwrap();
-                let found: Vec<_> = read.batches.iter().flat_map(|b| b.positions.iter().copied()).collect();
+                let found: Vec<_> = read.in_record_order().into_iter().map(|p| p.1).collect();
                 assert_eq!(found, scan.positions(), "format {format} + {extra_bytes}, {how:?}");
                 let file = &read.report.files[0];
                 assert_eq!((file.error.as_deref(), file.points_outside_bounds), (None, 0));
@@ -156,9 +156,9 @@ fn several_files_share_one_grid_and_one_count() {
     assert_eq!(firsts, [0, 1_000, 71_000]);
     assert_eq!(read.facts.grid.scale, [0.001; 3]);
     let expected = scans.iter().flat_map(|s| s.positions().into_iter().map(|p| (*s, p)));
-    let found = read.batches.iter().flat_map(|b| &b.positions);
+    let found = read.in_record_order();
     let mut points = 0;
-    for ((scan, position), &found) in expected.zip(found) {
+    for ((scan, position), (_, found, _)) in expected.zip(found) {
         let found = read.facts.grid.world(found);
         for axis in 0..3 {
             let expected = scan.offset + scan.scale * f64::from(position[axis]);

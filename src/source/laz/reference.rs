@@ -3,11 +3,9 @@
 //! kept.
 
 use std::{
-    cell::RefCell,
     fs::File,
     io::{self, Read, Seek, SeekFrom},
-    panic::{AssertUnwindSafe, catch_unwind},
-    sync::Once,
+    sync::Arc,
 };
 
 use laz::{
@@ -18,124 +16,146 @@ use laz::{
     },
 };
 
-use super::super::{
-    bytes::{RangeReader, u32_at},
-    chunks::{Chunk, LazLayout, layer_count, layered_sizes},
-    fields::Fields,
+use super::{
+    super::{
+        bytes::{RangeReader, u32_at},
+        chunks::{Chunk, LazLayout, layer_count, layered_sizes},
+        fields::Fields,
+    },
+    ChunkDecoder, Decoded, End, Share, catch,
 };
 
-/// Decoded bytes between two looks at the cancel flag: a few hundred to a few thousand points, about a
-/// millisecond.
-const PIECE_BYTES: usize = 64 << 10;
+type Inner = Box<dyn RecordDecompressor<RangeReader> + Send>;
 
-/// Threads whose names start so panic silently: their panics are caught and reported.
-pub const DECODER_THREAD: &str = "decode-";
-
-/// How decoding one chunk ended.
-#[derive(Debug, PartialEq)]
-pub enum ChunkEnd {
-    /// All its points are decoded. For chunks of one stream, `unused` are the bytes that the decoder
-    /// left: not zero if it lost its way, or if the header counts fewer points than the chunk has.
-    Complete { unused: Option<u64> },
-    /// The receiver wants no more.
-    Stopped,
-    /// The decoder could not go on.
-    Fault(String),
-}
-
-/// Decodes a chunk's points from the first on. `emit` takes pieces of raw records with the number (in
-/// the file) of their first, and says whether to go on.
-pub fn decode_chunk(
-    file: &File,
-    layout: &LazLayout,
+/// The laz crate's decoder of a chunk, or of a stream of chunks that follow each other. It reads
+/// through a window, so that its memory does not depend on the chunk's size.
+pub struct LazCrateDecoder {
+    file: Arc<File>,
+    items: Vec<LazItem>,
+    layered: bool,
     record_length: usize,
+    chunk: Chunk,
     fields: Fields,
-    chunk: &Chunk,
-    mut emit: impl FnMut(&[u8], u64) -> bool,
-) -> ChunkEnd {
-    if chunk.points == 0 {
-        return ChunkEnd::Complete { unused: None };
-    }
-    let end = chunk.at + chunk.bytes;
-    let mut reader = RangeReader::new(file, chunk.at, end);
-    if layout.is_layered() {
-        match layered_sizes(file, chunk.at, chunk.bytes, record_length as u64, &layout.items) {
-            Err(e) => return ChunkEnd::Fault(e.to_string()),
-            Ok(None) => return ChunkEnd::Fault(format!("{} bytes are too few for a chunk", chunk.bytes)),
-            Ok(Some((_, needed))) if needed > chunk.bytes => {
-                return ChunkEnd::Fault(format!("its layers add up to {needed} bytes, {} are there", chunk.bytes));
-            }
-            Ok(_) => {}
-        }
-    }
-    // Without a table, chunks of fixed size follow each other in one stream.
-    let run = match (layout.is_layered(), layout.chunk_size) {
-        (false, Some(size)) => u64::from(size),
-        _ => u64::MAX,
-    };
-    let per_piece = (PIECE_BYTES / record_length).max(1) as u64;
-    let mut buffer = vec![0; per_piece as usize * record_length];
-    let mut done = 0;
-    while done < chunk.points {
-        let mut decoder = match decoder(reader, layout, fields) {
-            Ok(decoder) => decoder,
-            Err(what) => return ChunkEnd::Fault(what),
+    /// Without a table, chunks of fixed size follow each other in one stream.
+    run: u64,
+    left_in_run: u64,
+    inner: Option<Inner>,
+    /// Where the stream ended, if a panic took the decoder away.
+    position: u64,
+}
+
+impl LazCrateDecoder {
+    pub fn new(
+        file: &Arc<File>,
+        layout: &LazLayout,
+        record_length: usize,
+        chunk: &Chunk,
+        fields: Fields,
+    ) -> Result<Self, String> {
+        let run = match (layout.is_layered(), layout.chunk_size) {
+            (false, Some(size)) => u64::from(size),
+            _ => u64::MAX,
         };
-        let run_end = chunk.points.min(done.saturating_add(run));
-        while done < run_end {
-            let wanted = per_piece.min(run_end - done) as usize * record_length;
-            let (decoded, fault) = decode_piece(decoder.as_mut(), &mut buffer[..wanted], record_length);
-            if decoded > 0 && !emit(&buffer[..decoded * record_length], chunk.first_point + done) {
-                return ChunkEnd::Stopped;
+        let mut decoder = LazCrateDecoder {
+            file: Arc::clone(file),
+            items: layout.items.clone(),
+            layered: layout.is_layered(),
+            record_length,
+            chunk: *chunk,
+            fields,
+            run,
+            left_in_run: run,
+            inner: None,
+            position: chunk.at,
+        };
+        let reader = RangeReader::new(Arc::clone(file), chunk.at, decoder.end());
+        decoder.inner = Some(decoder.start(reader)?);
+        Ok(decoder)
+    }
+
+    fn end(&self) -> u64 {
+        self.chunk.at + self.chunk.bytes
+    }
+
+    fn start(&self, reader: RangeReader) -> Result<Inner, String> {
+        if !self.layered {
+            let mut decoder = SequentialPointRecordDecompressor::new(reader);
+            decoder.set_fields_from(&self.items).map_err(|e| e.to_string())?;
+            return Ok(Box::new(decoder));
+        }
+        let mut decoder = LayeredPointRecordDecompressor::new(reader);
+        for item in &self.items {
+            add_layered(&mut decoder, item, self.fields);
+        }
+        decoder.set_selection(selection(self.fields));
+        Ok(Box::new(decoder))
+    }
+}
+
+impl ChunkDecoder for LazCrateDecoder {
+    /// Only checks the sizes: the bytes are read on the way.
+    fn load(&mut self, _: Share, _: &mut Vec<Vec<u8>>) -> Result<(), String> {
+        if !self.layered {
+            return Ok(());
+        }
+        let bytes = self.chunk.bytes;
+        match layered_sizes(&self.file, self.chunk.at, bytes, self.record_length as u64, &self.items) {
+            Err(e) => Err(e.to_string()),
+            Ok(None) => Err(format!("{bytes} bytes are too few for a chunk")),
+            Ok(Some((_, needed))) if needed > bytes => {
+                Err(format!("its layers add up to {needed} bytes, {bytes} are there"))
             }
-            done += decoded as u64;
+            Ok(_) => Ok(()),
+        }
+    }
+
+    fn decode(&mut self, records: &mut [u8]) -> Decoded {
+        let mut decoded = 0;
+        for record in records.chunks_exact_mut(self.record_length) {
+            if self.left_in_run == 0 {
+                self.left_in_run = self.run;
+                let reader = self.inner.take().map(|inner| inner.box_into_inner());
+                match reader.map(|reader| self.start(reader)) {
+                    Some(Ok(inner)) => self.inner = Some(inner),
+                    Some(Err(what)) => return Decoded { records: decoded, end: End::Fault(what) },
+                    None => {}
+                }
+            }
+            let Some(inner) = &mut self.inner else {
+                return Decoded { records: decoded, end: End::Fault("its decoder stopped before".into()) };
+            };
+            let fault = match catch(|| inner.decompress_next(record)) {
+                Ok(Ok(())) => None,
+                Ok(Err(e)) if e.kind() == io::ErrorKind::UnexpectedEof => Some("its compressed bytes end early".into()),
+                Ok(Err(e)) => Some(e.to_string()),
+                Err(panic) => {
+                    // Nothing else was touched.
+                    self.inner = None;
+                    Some(format!("its bytes make no sense ({panic})"))
+                }
+            };
             if let Some(what) = fault {
-                return ChunkEnd::Fault(what);
+                return Decoded { records: decoded, end: End::Fault(what) };
             }
-        }
-        reader = decoder.box_into_inner();
-    }
-    ChunkEnd::Complete { unused: (!layout.is_layered()).then(|| end.saturating_sub(reader.position())) }
-}
-
-type Decoder<'f> = Box<dyn RecordDecompressor<RangeReader<'f>> + 'f>;
-
-/// Fills a buffer with records; returns how many are good, and what stopped it, if anything did.
-fn decode_piece(
-    decoder: &mut (dyn RecordDecompressor<RangeReader<'_>> + '_),
-    buffer: &mut [u8],
-    record_length: usize,
-) -> (usize, Option<String>) {
-    let mut decoded = 0;
-    // After a panic the decoder is dropped, and nothing else was touched.
-    let result = catch_unwind(AssertUnwindSafe(|| -> io::Result<()> {
-        for record in buffer.chunks_exact_mut(record_length) {
-            decoder.decompress_next(record)?;
             decoded += 1;
+            self.left_in_run -= 1;
         }
-        Ok(())
-    }));
-    let fault = match result {
-        Ok(Ok(())) => None,
-        Ok(Err(e)) if e.kind() == io::ErrorKind::UnexpectedEof => Some("its compressed bytes end early".to_owned()),
-        Ok(Err(e)) => Some(e.to_string()),
-        Err(_) => Some(format!("its bytes make no sense ({})", take_panic())),
-    };
-    (decoded, fault)
-}
+        if let Some(inner) = &self.inner {
+            self.position = inner.get().position();
+        }
+        Decoded { records: decoded, end: End::Filled }
+    }
 
-fn decoder<'f>(reader: RangeReader<'f>, layout: &LazLayout, fields: Fields) -> Result<Decoder<'f>, String> {
-    if !layout.is_layered() {
-        let mut decoder = SequentialPointRecordDecompressor::new(reader);
-        decoder.set_fields_from(&layout.items).map_err(|e| e.to_string())?;
-        return Ok(Box::new(decoder));
+    fn unload(&mut self, _: &mut Vec<Vec<u8>>) {}
+
+    fn unused(&self) -> Option<u64> {
+        (!self.layered).then(|| self.end().saturating_sub(self.position))
     }
-    let mut decoder = LayeredPointRecordDecompressor::new(reader);
-    for item in &layout.items {
-        add_layered(&mut decoder, item, fields);
+
+    /// Not to be kept: its models are made at once, some 500 kB for a chunk.
+    fn memory_bytes(&self) -> usize {
+        usize::MAX
     }
-    decoder.set_selection(selection(fields));
-    Ok(Box::new(decoder))
 }
 
 /// The layers that the fields need.
@@ -161,7 +181,7 @@ fn selection(fields: Fields) -> DecompressionSelection {
 }
 
 /// Adds an item's field decoders; fields that nobody asked for are stepped over.
-fn add_layered(decoder: &mut LayeredPointRecordDecompressor<'_, RangeReader<'_>>, item: &LazItem, fields: Fields) {
+fn add_layered(decoder: &mut LayeredPointRecordDecompressor<'_, RangeReader>, item: &LazItem, fields: Fields) {
     use LazItemType as T;
     let skip = |size: usize, layers: usize| Skip { size, layers, bytes: 0 };
     let v3 = item.version() == 3;
@@ -232,35 +252,4 @@ impl<R: Read + Seek> LayeredFieldDecompressor<R> for Skip {
     fn read_layers(&mut self, src: &mut R) -> io::Result<()> {
         src.seek(SeekFrom::Current(self.bytes as i64)).map(|_| ())
     }
-}
-
-thread_local! {
-    /// What the last panic on this thread said, and where.
-    static LAST_PANIC: RefCell<String> = const { RefCell::new(String::new()) };
-}
-
-/// The words of the last panic that was caught on this (decoder) thread.
-pub fn take_panic() -> String {
-    LAST_PANIC.take()
-}
-
-/// Keeps decoder threads from printing the panics that are caught and reported anyway; all other
-/// threads keep the hook that was there.
-pub fn silence_decoder_panics() {
-    static ONCE: Once = Once::new();
-    ONCE.call_once(|| {
-        let before = std::panic::take_hook();
-        std::panic::set_hook(Box::new(move |info| {
-            if std::thread::current().name().is_some_and(|n| n.starts_with(DECODER_THREAD)) {
-                let what = info.payload_as_str().unwrap_or("panic");
-                let line = info.location().map(|l| {
-                    let file = l.file().rsplit(['/', '\\']).next().unwrap_or_default();
-                    format!(" in {file}:{}", l.line())
-                });
-                LAST_PANIC.set(format!("{what}{}", line.unwrap_or_default()));
-            } else {
-                before(info);
-            }
-        }));
-    });
 }

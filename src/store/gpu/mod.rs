@@ -22,6 +22,9 @@ use crate::{
 /// drawing; at 65,536 points each, 60 frames a second take 63 million points.
 pub const INSERTIONS_PER_FRAME: usize = 16;
 
+/// The scratch has room for at least so many points.
+const SCRATCH_POINTS: u32 = 65_536;
+
 /// Words of a point on its way: position, attributes, record.
 const POINT_WORDS: u64 = 6;
 
@@ -167,8 +170,9 @@ impl GpuStore {
         self.pages.grow(&self.device, &self.queue, insertion.old + insertion.new, insertion.old)?;
         if self.scratch.as_ref().is_none_or(|scratch| scratch.capacity < insertion.new) {
             assert!(self.pending.is_empty(), "a frame's first insertion is its largest");
+            // The first insertion may be a small one, and should not make a small scratch.
             self.scratch = Some(
-                self.make_scratch(insertion.new)
+                self.make_scratch(insertion.new.max(SCRATCH_POINTS))
                     .map_err(|detail| RenderError::OutOfMemory { stored: insertion.old.into(), detail })?,
             );
         }
