@@ -10,7 +10,7 @@
 //! render    reproject → fresh → fill → index → resolve      (GPU and CPU backends, one frame plan)
 //! headless  the picture as a PNG, a report as JSON
 //! view      the picture in a window
-//! measure   frame times while a scene grows
+//! measure   frame times while a scene grows; how fast points come to the screen
 //! cli       what the user typed → one of these
 //! ```
 //!

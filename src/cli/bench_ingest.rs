@@ -35,9 +35,10 @@ Each file is measured on its own. In every round, each of these runs once, every
 The first run of each file is not counted: it brings the file into memory.
 
 Other programs: --against \"python3 tests/reference/laspy_seconds.py laszip\" runs LASzip through laspy
-(pip install laspy laszip lazrs); the same with lazrs at the end runs the laz crate. Any program will do that
+(pip install laspy laszip lazrs), with lazrs at the end the laz crate; `laszip xyz,rgb` decodes only these fields. Any program will do that
 takes a file as its last argument and prints, on its last line, the seconds that decoding took, without
-its own start-up. If it prints a line `points N` too, N must be right.
+its own start-up. If it prints a line `points N` too, N must be right; a line `processor SECONDS` is its processor
+time, by which programs can be compared on a machine that is busy with other work.
 
 REPORT_DIR gets ingest.json (every sample), ingest.csv (a line per run) and index.html (tables and charts);
 the tables are printed as Markdown too. They are written at the end: what stops the program before
@@ -73,7 +74,7 @@ pub struct BenchIngestArgs {
     #[arg(long, value_enum, value_name = "DECODER,…", value_delimiter = ',', default_value = "own")]
     decoder: Vec<LazDecoder>,
     /// Fields that are decoded besides the position
-    #[arg(long, value_enum, value_name = "FIELDS,…", value_delimiter = ',', default_value = "colors")]
+    #[arg(long, value_enum, value_name = "FIELDS,…", value_delimiter = ',', default_value = "auto")]
     fields: Vec<FieldSet>,
     /// Another program to compare with, see below; may be given several times
     #[arg(long, value_name = "COMMAND")]

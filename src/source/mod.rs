@@ -25,8 +25,7 @@ use std::{
     thread::JoinHandle,
 };
 
-use crossbeam_channel::{Receiver, bounded};
-use spare::Spare;
+use crossbeam_channel::{Receiver, Sender, bounded};
 
 use crate::scene::{PointBatch, SceneFacts};
 
@@ -47,7 +46,6 @@ mod order;
 mod plan;
 mod record;
 mod report;
-mod spare;
 mod stream;
 pub(crate) mod vlr;
 mod wkt;
@@ -92,7 +90,7 @@ pub enum Event {
 /// A running reader. Dropping it stops all threads promptly and waits for them.
 pub struct Stream {
     events: Receiver<Event>,
-    spare: Arc<Spare>,
+    free: Sender<PointBatch>,
     cancel: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
 }
@@ -105,7 +103,8 @@ impl Stream {
 
     /// Gives a batch's memory back to the decoders. Not needed for progress, only for speed.
     pub fn recycle(&self, batch: PointBatch) {
-        self.spare.give(batch);
+        // With enough spare buffers already, this one's memory goes back to the system.
+        let _ = self.free.try_send(batch);
     }
 }
 
@@ -139,13 +138,13 @@ pub fn open(inputs: &[PathBuf], options: OpenOptions) -> Stream {
     let threads = options.threads.unwrap_or(if cores > 2 { cores - 1 } else { cores }).max(1);
     let (events_ahead, spare) = stream::capacities(threads);
     let (events_to, events) = bounded(events_ahead);
-    let spare = Arc::new(Spare::new(spare));
+    let (free, free_from) = bounded(spare);
     let cancel = Arc::new(AtomicBool::new(false));
     let engine = stream::Engine {
         inputs: inputs.to_vec(),
         options,
         events: events_to.clone(),
-        spare: Arc::clone(&spare),
+        free: free_from,
         cancel: Arc::clone(&cancel),
     };
     let thread = std::thread::Builder::new().name("source".into()).spawn(move || engine.run(threads));
@@ -155,5 +154,5 @@ pub fn open(inputs: &[PathBuf], options: OpenOptions) -> Stream {
         // The channel is empty, so there is room.
         let _ = events_to.try_send(Event::Failed(failed));
     }
-    Stream { events, spare, cancel, thread: thread.ok() }
+    Stream { events, free, cancel, thread: thread.ok() }
 }

@@ -52,12 +52,12 @@ pub struct FilePlan {
     pub reader: RecordReader,
     /// The box that the scene may rely on for a first view.
     pub bounds: Bounds,
-    pub crs: Crs,
-    pub extra_dimensions: Vec<ExtraDimension>,
     /// In which order it is read.
     pub order: FileOrder,
     /// Held open, for the first few files of a scene.
     pub file: Option<Arc<File>>,
+    pub crs: Crs,
+    pub extra_dimensions: Vec<ExtraDimension>,
     pub warnings: Vec<String>,
 }
 
@@ -159,7 +159,7 @@ fn open_file(path: &Path, fields: Option<Fields>, first_record: u64) -> Result<F
         Crs::default()
     });
     let (order, file) = (FileOrder::default(), Some(Arc::new(file)));
-    Ok(FilePlan { header, layout, points, reader, bounds, crs, extra_dimensions, order, file, warnings })
+    Ok(FilePlan { header, layout, points, reader, bounds, order, file, crs, extra_dimensions, warnings })
 }
 
 impl FilePlan {

@@ -20,10 +20,9 @@ use super::{
     order::Task,
     plan::{self, FilePlan},
     report::{Outcome, file_report},
-    spare::Spare,
     work::{Piece, Shared, Worker},
 };
-use crate::scene::BATCH_POINTS;
+use crate::scene::{BATCH_POINTS, PointBatch};
 
 /// Events that wait for the consumer.
 const EVENTS_AHEAD: usize = 4;
@@ -37,7 +36,7 @@ pub struct Engine {
     pub inputs: Vec<PathBuf>,
     pub options: OpenOptions,
     pub events: Sender<Event>,
-    pub spare: Arc<Spare>,
+    pub free: Receiver<PointBatch>,
     pub cancel: Arc<AtomicBool>,
 }
 
@@ -78,7 +77,7 @@ impl Engine {
             files: &plan.files,
             decoder: self.options.decoder,
             kept: Kept::default(),
-            spare: &self.spare,
+            free: &self.free,
             cancel: &self.cancel,
         };
         let result = std::thread::scope(|scope| {

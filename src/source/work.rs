@@ -10,7 +10,7 @@ use std::{
     time::Instant,
 };
 
-use crossbeam_channel::Sender;
+use crossbeam_channel::{Receiver, Sender};
 
 use super::{
     bytes::read_full_at,
@@ -21,7 +21,6 @@ use super::{
     order::{Part, START_SHARE, Task},
     plan::{FilePlan, Layout},
     report::{Outcome, ThreadTimes},
-    spare::Spare,
 };
 use crate::scene::{BATCH_POINTS, PointBatch};
 
@@ -43,7 +42,7 @@ pub struct Shared<'a> {
     pub files: &'a [FilePlan],
     pub decoder: DecoderChoice,
     pub kept: Kept,
-    pub spare: &'a Spare,
+    pub free: &'a Receiver<PointBatch>,
     pub cancel: &'a AtomicBool,
 }
 
@@ -384,7 +383,8 @@ impl Output<'_> {
             let began = Instant::now();
             let file = self.file;
             let batch = self.batch.get_or_insert_with(|| {
-                let mut batch = shared.spare.take();
+                let mut batch = shared.free.try_recv().unwrap_or_default();
+                batch.clear();
                 batch.file = file;
                 batch
             });

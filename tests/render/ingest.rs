@@ -70,6 +70,11 @@ fn check_file(file: &Value, rounds: usize) -> Result<(), String> {
                 ensure(busy <= number(&sample["secs"])? + 0.01, "stages within the run")?;
                 total += busy;
             }
+            if let Some(busy) = sample["processor_secs"].as_f64() {
+                // Counted in hundredths, by as many threads as there are, and two beside them.
+                let most = (threads.len() as f64 + 2.0) * (number(&sample["secs"])? + 0.02);
+                ensure((0.0..=most).contains(&busy), "processor time")?;
+            }
             ensure(total > 0.0, "some thread did something")?;
             let order = ["secs_to_opened", "secs_to_first_batch", "secs"].map(|name| number(&sample[name]));
             let order = order.into_iter().collect::<Result<Vec<_>, _>>()?;
@@ -146,6 +151,7 @@ fn a_report_agrees_with_itself() {
         ("/files/1/reader/2/samples/1/secs_to_first_batch", json!(1e9)),
         ("/files/1/reader/3/samples/1/threads/0/points", json!(1)),
         ("/files/1/reader/3/samples/1/threads/0/decode_secs", json!(1e9)),
+        ("/files/1/reader/3/samples/1/processor_secs", json!(1e9)),
         ("/files/0/memcpy/1/samples_secs/0", json!(-1.0)),
         ("/files/0/coverage/0/samples/2/total_cells", json!(4097)),
         ("/files/1/coverage/1/samples/0/steps/0/cells", json!(4097)),
@@ -172,7 +178,7 @@ fn a_report_agrees_with_itself() {
     let run = bench.run("bench-ingest a.las -o out --repeat 1 --threads 1 --no-screen --order file").expect(0);
     assert!(run.stderr.contains("a.las: round 1 of 1") && run.stderr.contains("out/index.html"), "{}", run.stderr);
     let tables = String::from_utf8(run.stdout).unwrap();
-    assert!(tables.contains("| file order, colors | 1 |") && tables.contains("read alone, MB/s"), "{tables}");
+    assert!(tables.contains("| file order, auto fields | 1 |") && tables.contains("read alone, MB/s"), "{tables}");
     let report = self::report(&bench);
     check(&report).unwrap();
     assert_eq!((&report["backend"], &report["files"][0]["screen"]), (&Value::Null, &Value::Null));
@@ -191,6 +197,23 @@ fn a_gpu_tells_what_uploading_takes() {
     assert_ne!(report["backend"]["raster"], "cpu");
     let upload = |i: usize| report["files"][0]["screen"]["samples"][i]["upload_secs"].as_f64().unwrap();
     assert!(upload(0) > 0.0 && upload(1) > 0.0);
+}
+
+#[test]
+fn fields_and_decoders_are_measured_side_by_side() {
+    let bench = Bench::new();
+    scans(&bench);
+    let ways = "--order preview --decoder own,laz --fields xyz,all";
+    bench.run(&format!("bench-ingest a.las b.laz -o out --repeat 1 --threads 1 --no-screen -q {ways}")).expect(0);
+    let report = report(&bench);
+    check(&report).unwrap();
+    let files = report["files"].as_array().unwrap();
+    let reader = |file: usize| files[file]["reader"].as_array().unwrap();
+    assert_eq!((reader(0).len(), reader(1).len()), (2, 4), "a decoder is chosen where there is something to decode");
+    let bytes = |i: usize| reader(1)[i]["samples"][0]["batch_bytes"].as_u64().unwrap();
+    assert_eq!([bytes(0), bytes(1)], [bytes(2), bytes(3)], "the same points, whoever decodes them");
+    // GPS time alone is 8 bytes.
+    assert!(bytes(1) >= bytes(0) + 8 * POINTS);
 }
 
 #[test]
@@ -225,7 +248,7 @@ fn what_goes_wrong_is_said_and_leaves_no_report() {
         ("a.las", 2, &["--output"][..]),
         ("-o out", 2, &["IN"]),
         ("a.las -o out --order sideways", 2, &["--order", "preview", "file"]),
-        ("a.las -o out --fields rgb,smell", 2, &["--fields", "colors"]),
+        ("a.las -o out --fields rgb,smell", 2, &["--fields", "colors", "xyz"]),
         ("a.las -o out --decoder zip", 2, &["--decoder", "own", "laz"]),
         ("a.las -o out --repeat 0", 2, &["--repeat"]),
         ("a.las -o out --threads 0", 2, &["--threads"]),
@@ -246,6 +269,26 @@ fn what_goes_wrong_is_said_and_leaves_no_report() {
     }
     assert_eq!(fs::read(bench.path("photos/a.png")).unwrap(), b"somebody's");
     assert_eq!(fs::read_dir(bench.path("photos")).unwrap().count(), 1);
+}
+
+#[test]
+#[cfg(unix)]
+fn an_interrupted_run_leaves_the_older_report() {
+    let bench = Bench::new();
+    scans(&bench);
+    bench.run("bench-ingest a.las -o out --repeat 1 --threads 1 --no-screen -q").expect(0);
+    let before = fs::read(bench.path("out/ingest.json")).unwrap();
+    let args = "bench-ingest b.laz -o out --repeat 1000 --threads 1 --no-screen";
+    let mut running = bench.command(args).stderr(std::process::Stdio::piped()).spawn().unwrap();
+    // In the midst of it: one round is over.
+    let mut line = String::new();
+    let stderr = running.stderr.take().unwrap();
+    std::io::BufRead::read_line(&mut std::io::BufReader::new(stderr), &mut line).unwrap();
+    assert!(line.contains("round 1 of 1000"), "{line}");
+    let interrupt = std::process::Command::new("kill").args(["-INT", &running.id().to_string()]).status().unwrap();
+    assert!(interrupt.success() && !running.wait().unwrap().success());
+    assert_eq!(fs::read(bench.path("out/ingest.json")).unwrap(), before);
+    assert_eq!(fs::read_dir(bench.path("out")).unwrap().count(), 3);
 }
 
 #[test]

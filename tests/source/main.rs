@@ -61,8 +61,7 @@ impl Read {
         points
     }
 
-    /// Positions by record number, in whatever order they arrived.
-    fn in_order(&self) -> Vec<[i32; 3]> {
+    fn positions_in_order(&self) -> Vec<[i32; 3]> {
         self.in_record_order().into_iter().map(|p| p.1).collect()
     }
 

@@ -37,7 +37,7 @@ fn made_scans_come_back_as_they_were() {
                 let scan = Scan { extra_bytes, ..Scan::new(format, 5_000) };
                 std::fs::write(&path, scan.bytes(how)).unwrap();
                 let read = read(std::slice::from_ref(&path), 2).unwrap();
-                let found: Vec<_> = read.in_record_order().into_iter().map(|p| p.1).collect();
+                let found = read.positions_in_order();
                 assert_eq!(found, scan.positions(), "format {format} + {extra_bytes}, {how:?}");
                 let file = &read.report.files[0];
                 assert_eq!((file.error.as_deref(), file.points_outside_bounds), (None, 0));

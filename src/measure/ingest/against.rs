@@ -55,6 +55,8 @@ impl FromStr for AgainstCommand {
 pub struct AgainstSample {
     /// As it printed on its last line: without its start-up.
     pub secs: f64,
+    /// Processor time of the same, as it printed on a line `processor SECONDS`, if it did.
+    pub processor_secs: Option<f64>,
     /// From starting the program to its end.
     pub wall_secs: f64,
     /// As it printed on a line `points N`, if it did.
@@ -95,7 +97,9 @@ impl AgainstCommand {
         if let Some(other) = counted.filter(|&n: &u64| n != points) {
             return Err(fault(format!("it read {other} points, this program {points}: no comparison")));
         }
-        Ok(AgainstSample { secs, wall_secs, points: counted })
+        let processor = text.lines().find_map(|line| line.trim().strip_prefix("processor ")?.trim().parse().ok());
+        let processor_secs = processor.filter(|secs: &f64| secs.is_finite() && *secs > 0.0);
+        Ok(AgainstSample { secs, processor_secs, wall_secs, points: counted })
     }
 }
 
@@ -126,7 +130,10 @@ mod tests {
         let sample = run("echo 7; echo points 5; echo 0.25; echo").unwrap();
         assert_eq!((sample.secs, sample.points), (0.25, Some(5)));
         assert!(sample.wall_secs > 0.0);
-        assert_eq!(run("echo 1").unwrap().points, None);
+        let bare = run("echo 1").unwrap();
+        assert_eq!((bare.points, bare.processor_secs), (None, None));
+        assert_eq!(run("echo processor 0.5; echo 1").unwrap().processor_secs, Some(0.5));
+        assert_eq!(run("echo processor -1; echo 1").unwrap().processor_secs, None);
         for (script, words) in [
             ("echo fast", "found `fast`"),
             ("true", "found ``"),

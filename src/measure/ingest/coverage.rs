@@ -165,7 +165,7 @@ impl CoverageRuns {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Bounds, FileFacts, Grid, RecordFacts};
+    use crate::scene::{Bounds, FileFacts, Grid};
 
     /// 64 by 64 metres at centimetres: a cell is a metre wide.
     fn facts() -> SceneFacts {
@@ -176,10 +176,14 @@ mod tests {
             points_in_header: 0,
             bounds,
             kind: "LAS 1.2, format 0".into(),
-            record: RecordFacts::default(),
+            ..Default::default()
         };
-        let grid = Grid { scale: [0.01; 3], origin: [1000.0, 2000.0, 0.0] };
-        SceneFacts { grid, bounds, files: vec![file], warnings: Vec::new() }
+        SceneFacts {
+            grid: Grid { scale: [0.01; 3], origin: [1000.0, 2000.0, 0.0] },
+            bounds,
+            files: vec![file],
+            warnings: vec![],
+        }
     }
 
     fn center(x: usize, y: usize) -> [i32; 3] {

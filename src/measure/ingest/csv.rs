@@ -9,7 +9,7 @@ use super::{
 
 /// Columns. Empty: does not apply. `run` says what was run: reader, read_alone, memcpy, against,
 /// coverage, screen. `bytes` are the file's, for memcpy those copied.
-const COLUMNS: [&str; 24] = [
+const COLUMNS: [&str; 25] = [
     "file",
     "kind",
     "run",
@@ -22,6 +22,7 @@ const COLUMNS: [&str; 24] = [
     "points",
     "bytes",
     "secs",
+    "processor_secs",
     "points_per_sec",
     "bytes_per_sec",
     "secs_to_first_batch",
@@ -47,6 +48,7 @@ pub fn write_csv(out: &mut dyn Write, report: &IngestReport) -> io::Result<()> {
             for (round, sample) in runs.samples.iter().enumerate() {
                 let mut line = Line::new(file, "reader", round);
                 line.way(&runs.way).speed(file.points, file.point_bytes, sample.secs);
+                line.number("processor_secs", sample.processor_secs);
                 line.number("secs_to_first_batch", sample.secs_to_first_batch);
                 if !sample.threads.is_empty() {
                     let sum =
@@ -72,7 +74,7 @@ pub fn write_csv(out: &mut dyn Write, report: &IngestReport) -> io::Result<()> {
             for (round, sample) in runs.samples.iter().enumerate() {
                 let mut line = Line::new(file, "against", round);
                 line.text("command", &runs.command).speed(file.points, file.point_bytes, sample.secs);
-                line.write(out)?;
+                line.number("processor_secs", sample.processor_secs).write(out)?;
             }
         }
         for runs in &file.coverage {

@@ -9,8 +9,9 @@ use clap::{ValueEnum, builder::PossibleValue};
 use serde::Serialize;
 
 use crate::{
-    scene::{PointBatch, SceneFacts},
-    source::{self, DecoderChoice, Event, OpenOptions, Order, SourceError, SourceReport, ThreadTimes},
+    measure::machine::processor_secs,
+    scene::{Attributes, PointBatch, SceneFacts},
+    source::{self, DecoderChoice, Event, Fields, OpenOptions, Order, SourceError, SourceReport, ThreadTimes},
 };
 
 /// In which order a file's points are decoded.
@@ -37,8 +38,14 @@ pub enum LazDecoder {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ValueEnum)]
 #[serde(rename_all = "snake_case")]
 pub enum FieldSet {
-    /// Red, green, blue and intensity: what the automatic colours look at
+    /// What the automatic colours need, file by file: what the program does
+    Auto,
+    /// Nothing
+    Xyz,
+    /// Red, green, blue and intensity
     Colors,
+    /// All that the file has
+    All,
 }
 
 /// One way to read.
@@ -63,8 +70,13 @@ impl Way {
             LazDecoder::Own => DecoderChoice::Own,
             LazDecoder::Laz => DecoderChoice::LazCrate,
         };
-        let FieldSet::Colors = self.fields;
-        OpenOptions { threads: self.threads, order, decoder, ..Default::default() }
+        let fields = match self.fields {
+            FieldSet::Auto => None,
+            FieldSet::Xyz => Some(Fields::NONE),
+            FieldSet::Colors => Some(Fields::COLORS),
+            FieldSet::All => Some(Fields::ALL),
+        };
+        OpenOptions { threads: self.threads, order, decoder, fields, wake: None }
     }
 
     /// Order, decoder and fields as the command line calls them.
@@ -77,9 +89,9 @@ impl Way {
     pub fn name(&self, compressed: bool) -> String {
         let [order, decoder, fields] = self.words();
         if compressed {
-            format!("{order} order, {decoder} decoder, {fields}")
+            format!("{order} order, {decoder} decoder, {fields} fields")
         } else {
-            format!("{order} order, {fields}")
+            format!("{order} order, {fields} fields")
         }
     }
 }
@@ -92,6 +104,8 @@ pub struct ReaderSample {
     pub secs_to_opened: f64,
     /// Until the first batch came out of the channel; null without points.
     pub secs_to_first_batch: Option<f64>,
+    /// Processor time of all threads, in hundredths; null where the system does not tell.
+    pub processor_secs: Option<f64>,
     pub points: u64,
     pub batches: u64,
     /// What all batches hold.
@@ -101,6 +115,16 @@ pub struct ReaderSample {
     /// Most heap memory that the reader could take, by its own account.
     pub memory_bound_bytes: u64,
     pub threads: Vec<ThreadTimes>,
+}
+
+/// Processor time below this is too coarse in hundredths.
+const LEAST_PROCESSOR_SECS: f64 = 0.2;
+
+impl ReaderSample {
+    /// Processor time, where hundredths of a second tell enough.
+    pub fn counted_secs(&self) -> Option<f64> {
+        self.processor_secs.filter(|&secs| secs >= LEAST_PROCESSOR_SECS)
+    }
 }
 
 /// What a run of the reader gave.
@@ -119,12 +143,14 @@ pub fn read(
     mut look: impl FnMut(&SceneFacts, &PointBatch, f64),
 ) -> Result<Reading, SourceError> {
     let inputs: [PathBuf; 1] = [path.into()];
+    let processor = processor_secs();
     let start = Instant::now();
     let stream = source::open(&inputs, way.options());
     let mut sample = ReaderSample {
         secs: 0.0,
         secs_to_opened: 0.0,
         secs_to_first_batch: None,
+        processor_secs: None,
         points: 0,
         batches: 0,
         batch_bytes: 0,
@@ -153,6 +179,7 @@ pub fn read(
             }
             (Ok(Event::Finished(report)), Some(_)) => {
                 sample.secs = secs;
+                sample.processor_secs = processor.zip(processor_secs()).map(|(before, after)| after - before);
                 sample.memory_bound_bytes = report.memory_bound_bytes;
                 sample.threads.clone_from(&report.threads);
                 return Ok(Reading { sample, report });
@@ -167,6 +194,55 @@ pub fn read(
 }
 
 /// Bytes in a batch's columns.
-pub fn bytes_of(batch: &PointBatch) -> u64 {
-    (size_of_val(&batch.positions[..]) + size_of_val(&batch.colors[..]) + size_of_val(&batch.records[..])) as u64
+fn bytes_of(batch: &PointBatch) -> u64 {
+    let PointBatch { file: _, positions, colors, records, attributes, stats: _ } = batch;
+    // By name: a new column has to be counted here.
+    let Attributes {
+        returns,
+        flags,
+        classification,
+        scan_angle,
+        user_data,
+        point_source,
+        gps_time,
+        nir,
+        wave_packet,
+        extra,
+    } = &**attributes;
+    let single: usize = [returns, flags, classification, user_data, extra].iter().map(|column| column.len()).sum();
+    let other = [
+        size_of_val(&positions[..]),
+        size_of_val(&colors[..]),
+        size_of_val(&records[..]),
+        size_of_val(&scan_angle[..]),
+        size_of_val(&point_source[..]),
+        size_of_val(&gps_time[..]),
+        size_of_val(&nir[..]),
+        size_of_val(&wave_packet[..]),
+    ];
+    (single + other.iter().sum::<usize>()) as u64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_columns_of_a_batch_are_counted() {
+        let mut batch = PointBatch { positions: vec![[0; 3]; 2], colors: vec![[0; 4]; 2], ..Default::default() };
+        batch.records = vec![0; 2];
+        assert_eq!(bytes_of(&batch), 2 * (12 + 8 + 4));
+        batch.attributes.gps_time = vec![0.0; 2];
+        batch.attributes.extra = vec![0; 6];
+        assert_eq!(bytes_of(&batch), 2 * (12 + 8 + 4 + 8 + 3));
+    }
+
+    #[test]
+    fn field_sets_are_what_they_are_called() {
+        let way = |fields| Way { threads: None, order: ReadOrder::File, decoder: LazDecoder::Laz, fields };
+        assert_eq!(way(FieldSet::Auto).options().fields, None);
+        assert_eq!(way(FieldSet::Xyz).options().fields, Some(Fields::NONE));
+        assert_eq!(way(FieldSet::All).name(true), "file order, laz decoder, all fields");
+        assert_eq!(way(FieldSet::All).name(false), "file order, all fields");
+    }
 }

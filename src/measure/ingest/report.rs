@@ -48,7 +48,7 @@ pub struct IngestFile {
     pub file_bytes: u64,
     /// From the first point to the last, as they lie in the file.
     pub point_bytes: u64,
-    /// What all decoded batches hold.
+    /// What all batches hold, read the first of the ways.
     pub batch_bytes: u64,
     pub reader: Vec<ReaderRuns>,
     /// The file's point bytes, only read.
@@ -65,11 +65,13 @@ impl IngestFile {
     pub fn bytes_per_point(&self) -> f64 {
         self.point_bytes as f64 / self.points as f64
     }
+}
 
-    /// Medians of the time to read the bytes, or to copy the batches, by so many threads.
-    pub fn ceiling_secs(runs: &[CeilingRuns], threads: Option<usize>) -> Option<f64> {
+impl CeilingRuns {
+    /// Median of bytes per second by so many threads.
+    pub fn rate(runs: &[CeilingRuns], threads: Option<usize>) -> Option<f64> {
         let runs = runs.iter().find(|runs| Some(runs.threads) == threads)?;
-        Some(runs.seconds?.median)
+        Some(runs.bytes_per_sec?.median)
     }
 }
 
@@ -108,6 +110,12 @@ impl AgainstRuns {
     /// How many times faster this program was, round by round.
     pub fn ratios(&self, ours: &ReaderRuns) -> Vec<f64> {
         self.samples.iter().zip(&ours.samples).map(|(their, our)| their.secs / our.secs).collect()
+    }
+
+    /// The same by processor time, where it is known and long enough.
+    pub fn processor_ratios(&self, ours: &ReaderRuns) -> Vec<f64> {
+        let ratio = |(their, our): (&AgainstSample, &ReaderSample)| Some(their.processor_secs? / our.counted_secs()?);
+        self.samples.iter().zip(&ours.samples).filter_map(ratio).collect()
     }
 }
 

@@ -84,6 +84,7 @@ pub fn bench_ingest(settings: &BenchIngest, tell: &mut dyn FnMut(&str)) -> Resul
         let only = if errors.len() == 1 { errors.pop() } else { None };
         return Err(only.unwrap_or(SourceError::AllFailed { errors }).into());
     }
+    report.machine.finish();
     report.problems.extend(errors.iter().map(SourceError::to_string));
     Ok(report)
 }
@@ -128,9 +129,10 @@ fn measure_file(
     Ok(file)
 }
 
-/// The ways to read, most threads last. A file without compression has no decoder to choose.
+/// The ways to read, most threads last, at least one. A file without compression has no decoder to choose.
 fn ways(settings: &BenchIngest, data: &PointData) -> Vec<Way> {
-    let decoders = if data.compressed { &settings.decoders[..] } else { &settings.decoders[..1] };
+    let most = if data.compressed { settings.decoders.len() } else { 1 };
+    let decoders = &settings.decoders[..most.min(settings.decoders.len())];
     let mut ways = Vec::new();
     for &threads in &settings.threads {
         for &order in &settings.orders {
@@ -139,6 +141,10 @@ fn ways(settings: &BenchIngest, data: &PointData) -> Vec<Way> {
                 ways.extend(settings.fields.iter().map(way));
             }
         }
+    }
+    if ways.is_empty() {
+        let (order, decoder, fields) = (ReadOrder::Preview, LazDecoder::Own, FieldSet::Auto);
+        ways.push(Way { threads: None, order, decoder, fields });
     }
     ways
 }

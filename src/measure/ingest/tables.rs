@@ -2,7 +2,7 @@
 
 use super::{
     coverage::CoverageRuns,
-    report::{IngestFile, IngestReport, ReaderRuns},
+    report::{CeilingRuns, IngestFile, IngestReport, ReaderRuns},
     screen::ScreenRuns,
 };
 use crate::measure::{
@@ -31,7 +31,10 @@ pub fn facts(report: &IngestReport) -> Vec<String> {
     let machine = &report.machine;
     let memory =
         machine.memory_bytes.map_or(String::new(), |n| format!(", {:.0} GiB memory", n as f64 / 2f64.powi(30)));
-    let load = machine.load_before.map_or(String::new(), |load| format!(", load {load:.2} before"));
+    let load = machine
+        .load_before
+        .zip(machine.load_after)
+        .map_or(String::new(), |(before, after)| format!(", load {before:.2} before and {after:.2} after"));
     let mut lines = vec![
         format!("{}, {} rounds; medians, quartiles in brackets", report.program, report.repeat),
         format!("{}, {} cores{memory}{load}, {}", machine.processor, machine.cores, machine.system),
@@ -77,6 +80,7 @@ fn rates(file: &IngestFile) -> Table {
             "way",
             "threads",
             "M points/s",
+            "M points per core-second",
             "MB/s of the file",
             "of read alone, %",
             "of memcpy, %",
@@ -88,18 +92,25 @@ fn rates(file: &IngestFile) -> Table {
     );
     for runs in &file.reader {
         let secs = runs.seconds.map_or(f64::NAN, |s| s.median);
-        let of = |ceiling: Option<f64>| ceiling.map_or("–".into(), |ceiling| number(100.0 * ceiling / secs, 1));
+        let batch_bytes = runs.samples.first().map_or(0, |sample| sample.batch_bytes);
+        let of = |ceilings: &[CeilingRuns], bytes: u64| {
+            let rate = CeilingRuns::rate(ceilings, runs.way.threads);
+            rate.map_or("–".into(), |rate| number(100.0 * bytes as f64 / secs / rate, 1))
+        };
         let single = file.reader.iter().find(|r| r.way.threads == Some(1) && same_way(r, runs));
         let speed_up = single.and_then(|single| Some(single.seconds?.median / secs));
         let opened: Vec<f64> = runs.samples.iter().map(|s| 1e3 * s.secs_to_opened).collect();
+        let per_core: Vec<f64> =
+            runs.samples.iter().filter_map(|s| Some(s.points as f64 / s.counted_secs()?)).collect();
         let first: Vec<f64> = runs.samples.iter().filter_map(|s| Some(1e3 * s.secs_to_first_batch?)).collect();
         table.rows.push(vec![
             runs.way.name(file.compressed),
             threads(runs.way.threads),
             spread(runs.points_per_sec, 1e-6, 2),
+            spread(Summary::of(&per_core), 1e-6, 2),
             runs.bytes_per_sec.map_or("–".into(), |s| number(s.median * 1e-6, 0)),
-            of(IngestFile::ceiling_secs(&file.read_alone, runs.way.threads)),
-            of(IngestFile::ceiling_secs(&file.memcpy, runs.way.threads)),
+            of(&file.read_alone, file.point_bytes),
+            of(&file.memcpy, batch_bytes),
             speed_up.map_or("–".into(), |s| number(s, 2)),
             number(quantile(&opened, 0.5), 1),
             spread(Summary::of(&first), 1.0, 1),
@@ -136,7 +147,7 @@ fn ceilings(file: &IngestFile) -> Table {
 fn against(file: &IngestFile) -> Option<Table> {
     let mut table = Table::new(
         "Against other programs, round by round",
-        &["program", "M points/s", "s", "our way", "our threads", "times as fast as it"],
+        &["program", "M points/s", "s", "our way", "our threads", "times as fast as it", "by processor time"],
     );
     for theirs in &file.against {
         for ours in &file.reader {
@@ -147,6 +158,7 @@ fn against(file: &IngestFile) -> Option<Table> {
                 ours.way.name(file.compressed),
                 threads(ours.way.threads),
                 spread(Summary::of(&theirs.ratios(ours)), 1.0, 2),
+                spread(Summary::of(&theirs.processor_ratios(ours)), 1.0, 2),
             ]);
         }
     }

@@ -44,7 +44,7 @@ impl Part for Rgb {
 
 impl Field for Rgb {
     #[inline(always)]
-    fn step(&mut self, coder: &mut Coder, bytes: &[u8], facts: Facts, record: &mut [u8]) {
+    fn step(&mut self, coder: &mut Coder, bytes: &[u8], facts: Facts, record: &mut [u8]) -> bool {
         let at = self.at;
         let (models, last) = self.contexts.enter(facts.item());
         let changed = coder.symbol(bytes, made(&mut models.changed, 128));
@@ -75,6 +75,7 @@ impl Field for Rgb {
             [red_now, green_high << 8 | green_low, blue_high << 8 | blue_low]
         };
         last.iter().enumerate().for_each(|(i, &v)| put_u16(record, at + 2 * i, v));
+        true
     }
 }
 
@@ -115,7 +116,7 @@ impl Part for Nir {
 
 impl Field for Nir {
     #[inline(always)]
-    fn step(&mut self, coder: &mut Coder, bytes: &[u8], facts: Facts, record: &mut [u8]) {
+    fn step(&mut self, coder: &mut Coder, bytes: &[u8], facts: Facts, record: &mut [u8]) -> bool {
         let at = self.at;
         let (models, last) = self.contexts.enter(facts.item());
         let changed = coder.symbol(bytes, made(&mut models.changed, 4));
@@ -127,5 +128,6 @@ impl Field for Nir {
         }
         *last = u16::from_le_bytes(value);
         put_u16(record, at, *last);
+        true
     }
 }

@@ -38,10 +38,11 @@ impl Part for ExtraByte {
 
 impl Field for ExtraByte {
     #[inline(always)]
-    fn step(&mut self, coder: &mut Coder, bytes: &[u8], facts: Facts, record: &mut [u8]) {
+    fn step(&mut self, coder: &mut Coder, bytes: &[u8], facts: Facts, record: &mut [u8]) -> bool {
         let at = self.at;
         let (model, last) = self.contexts.enter(facts.item());
         *last = last.wrapping_add(coder.symbol(bytes, made(&mut model.0, 256)) as u8);
         record[at] = *last;
+        true
     }
 }

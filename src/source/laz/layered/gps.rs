@@ -51,8 +51,8 @@ impl Context<u64> for Sequences {
 }
 
 impl Sequences {
-    /// The next time that differs from the last.
-    fn next(&mut self, coder: &mut Coder, bytes: &[u8]) -> i64 {
+    /// The next time that differs from the last; `None` after changes of sequence without end.
+    fn next(&mut self, coder: &mut Coder, bytes: &[u8]) -> Option<i64> {
         for _ in 0..MOST_SWITCHES {
             let now = self.current & 3;
             let difference = self.differences[now];
@@ -69,7 +69,7 @@ impl Sequences {
                         continue;
                     }
                 }
-                break;
+                return Some(self.times[self.current & 3]);
             }
             let symbol = coder.symbol(bytes, made(&mut self.multiple, SYMBOLS)) as i32;
             if symbol > NEW_TIME {
@@ -78,7 +78,7 @@ impl Sequences {
             }
             if symbol == NEW_TIME {
                 self.new_sequence(coder, bytes);
-                break;
+                return Some(self.times[self.current & 3]);
             }
             let (factor, context) = match symbol {
                 0 => (0, 7),
@@ -102,9 +102,9 @@ impl Sequences {
                 _ => {}
             }
             self.times[now] = self.times[now].wrapping_add(i64::from(found));
-            break;
+            return Some(self.times[now]);
         }
-        self.times[self.current & 3]
+        None
     }
 
     /// A time too far from all sequences: its high half is coded, its low half is raw.
@@ -138,11 +138,13 @@ impl Part for GpsTime {
 
 impl Field for GpsTime {
     #[inline(always)]
-    fn step(&mut self, coder: &mut Coder, bytes: &[u8], facts: Facts, record: &mut [u8]) {
+    fn step(&mut self, coder: &mut Coder, bytes: &[u8], facts: Facts, record: &mut [u8]) -> bool {
         let (sequences, last) = self.0.enter(facts.point());
         if facts.time_changed() {
-            *last = sequences.next(coder, bytes) as u64;
+            let Some(time) = sequences.next(coder, bytes) else { return false };
+            *last = time as u64;
         }
         record[22..30].copy_from_slice(&last.to_le_bytes());
+        true
     }
 }

@@ -155,8 +155,17 @@ impl Lanes {
         self.all_mut().map(AnyLane::room).min().unwrap_or(0)
     }
 
+    /// Why the last call to [`Lanes::decode`] ended early.
+    pub fn fault(&self) -> String {
+        let ended = self.all().find(|lane| lane.has_ended()).map(|lane| lane.place().0);
+        ended.map_or_else(
+            || "its GPS times make no sense".to_owned(),
+            |layer| format!("the bytes of its layer {layer} end early"),
+        )
+    }
+
     /// Decodes points into their records, which hold the first record's values; returns their number,
-    /// smaller than the records' if the bytes of a lane ended.
+    /// smaller than the records' if the bytes of a lane ended or make no sense.
     pub fn decode(&mut self, records: &mut [u8], record_length: usize) -> usize {
         let mut done = 0;
         let mut before: Option<(Facts, &mut [u8])> = None;

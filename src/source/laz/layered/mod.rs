@@ -34,6 +34,8 @@ mod point;
 mod position;
 mod stream;
 mod tables;
+#[cfg(test)]
+mod tests;
 mod wave;
 
 /// Points decoded at a time, one layer after the other.
@@ -180,7 +182,7 @@ impl LayeredDecoder {
             let good = lanes.decode(records, length);
             done += good;
             if good < block {
-                let fault = "the bytes of a layer end early".to_owned();
+                let fault = lanes.fault();
                 self.fault = Some(fault.clone());
                 end = End::Fault(fault);
                 break;

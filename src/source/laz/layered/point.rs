@@ -43,12 +43,13 @@ impl Part for Z {
 
 impl Field for Z {
     #[inline(always)]
-    fn step(&mut self, coder: &mut Coder, bytes: &[u8], facts: Facts, record: &mut [u8]) {
+    fn step(&mut self, coder: &mut Coder, bytes: &[u8], facts: Facts, record: &mut [u8]) -> bool {
         let (context, last) = self.0.enter(facts.point());
         let level = &mut context.levels[facts.level()];
         *last = context.integers.decode(coder, bytes, *level, facts.z_context().min(19));
         *level = *last;
         put_i32(record, 8, *last);
+        true
     }
 }
 
@@ -84,11 +85,12 @@ impl Part for Classification {
 
 impl Field for Classification {
     #[inline(always)]
-    fn step(&mut self, coder: &mut Coder, bytes: &[u8], facts: Facts, record: &mut [u8]) {
+    fn step(&mut self, coder: &mut Coder, bytes: &[u8], facts: Facts, record: &mut [u8]) -> bool {
         let (models, last) = self.0.enter(facts.point());
         let context = usize::from(*last & 31) << 1 | usize::from(facts.place() == 3);
         *last = coder.symbol(bytes, made(&mut models.0[context], 256)) as u8;
         record[16] = *last;
+        true
     }
 }
 
@@ -111,11 +113,12 @@ impl Part for Flags {
 
 impl Field for Flags {
     #[inline(always)]
-    fn step(&mut self, coder: &mut Coder, bytes: &[u8], facts: Facts, record: &mut [u8]) {
+    fn step(&mut self, coder: &mut Coder, bytes: &[u8], facts: Facts, record: &mut [u8]) -> bool {
         let (models, last) = self.0.enter(facts.point());
         *last = coder.symbol(bytes, made(&mut models.0[usize::from(*last & 63)], 64)) as u8;
         // Between them in the record is the scanner channel.
         record[15] = record[15] & 0x30 | *last & 15 | (*last & 0x30) << 2;
+        true
     }
 }
 
@@ -153,12 +156,13 @@ impl Part for Intensity {
 
 impl Field for Intensity {
     #[inline(always)]
-    fn step(&mut self, coder: &mut Coder, bytes: &[u8], facts: Facts, record: &mut [u8]) {
+    fn step(&mut self, coder: &mut Coder, bytes: &[u8], facts: Facts, record: &mut [u8]) -> bool {
         let (context, last) = self.0.enter(facts.point());
         let place = &mut context.places[facts.place() << 1 | usize::from(facts.time_changed())];
         *last = context.integers.decode(coder, bytes, i32::from(*place), facts.place() as u32) as u16;
         *place = *last;
         put_u16(record, 12, *last);
+        true
     }
 }
 
@@ -194,7 +198,7 @@ impl Part for ScanAngle {
 
 impl Field for ScanAngle {
     #[inline(always)]
-    fn step(&mut self, coder: &mut Coder, bytes: &[u8], facts: Facts, record: &mut [u8]) {
+    fn step(&mut self, coder: &mut Coder, bytes: &[u8], facts: Facts, record: &mut [u8]) -> bool {
         let (integers, last) = self.0.enter(facts.point());
         if facts.angle_changed() {
             // Signed: a prediction below zero is kept as such.
@@ -202,6 +206,7 @@ impl Field for ScanAngle {
             *last = integers.0.decode(coder, bytes, before, u32::from(facts.time_changed())) as u16;
         }
         put_u16(record, 18, *last);
+        true
     }
 }
 
@@ -224,10 +229,11 @@ impl Part for UserData {
 
 impl Field for UserData {
     #[inline(always)]
-    fn step(&mut self, coder: &mut Coder, bytes: &[u8], facts: Facts, record: &mut [u8]) {
+    fn step(&mut self, coder: &mut Coder, bytes: &[u8], facts: Facts, record: &mut [u8]) -> bool {
         let (models, last) = self.0.enter(facts.point());
         *last = coder.symbol(bytes, made(&mut models.0[usize::from(*last / 4)], 256)) as u8;
         record[17] = *last;
+        true
     }
 }
 
@@ -250,11 +256,12 @@ impl Part for PointSource {
 
 impl Field for PointSource {
     #[inline(always)]
-    fn step(&mut self, coder: &mut Coder, bytes: &[u8], facts: Facts, record: &mut [u8]) {
+    fn step(&mut self, coder: &mut Coder, bytes: &[u8], facts: Facts, record: &mut [u8]) -> bool {
         let (integers, last) = self.0.enter(facts.point());
         if facts.source_changed() {
             *last = integers.0.decode(coder, bytes, i32::from(*last), 0) as u16;
         }
         put_u16(record, 20, *last);
+        true
     }
 }

@@ -19,8 +19,8 @@ pub trait Part {
 
 /// A layer behind the first: a field that depends on the first layer, and on no other.
 pub trait Field: Part {
-    /// Decodes the next point's field into its record.
-    fn step(&mut self, coder: &mut Coder, bytes: &[u8], facts: Facts, record: &mut [u8]);
+    /// Decodes the next point's field into its record; false if no encoder wrote that.
+    fn step(&mut self, coder: &mut Coder, bytes: &[u8], facts: Facts, record: &mut [u8]) -> bool;
 }
 
 /// What can be done with a lane of any field.
@@ -37,6 +37,9 @@ pub trait AnyLane {
     /// Points that the loaded bytes hold for certain; all, if they are complete: whether that is true is
     /// for the decoder to find out.
     fn room(&mut self) -> usize;
+
+    /// True if what was decoded last was not all there.
+    fn has_ended(&self) -> bool;
 
     /// Bytes of the layer that are not read yet.
     fn unread(&self) -> u64;
@@ -67,12 +70,6 @@ impl<F> Lane<F> {
     pub fn parts(&mut self) -> (&mut F, &mut Coder, &[u8]) {
         (&mut self.field, &mut self.coder, &self.bytes)
     }
-
-    /// True if what was decoded last was not all there.
-    #[inline(always)]
-    pub fn has_ended(&self) -> bool {
-        self.coder.next() > self.bytes.len()
-    }
 }
 
 impl<F: Part> AnyLane for Lane<F> {
@@ -101,8 +98,14 @@ impl<F: Part> AnyLane for Lane<F> {
         if self.complete { usize::MAX } else { self.bytes.len().saturating_sub(self.coder.next()) / F::MOST_BYTES }
     }
 
+    #[inline(always)]
+    fn has_ended(&self) -> bool {
+        self.coder.next() > self.bytes.len()
+    }
+
     fn unread(&self) -> u64 {
-        let read = if self.started { self.coder.next() as u64 } else { 0 };
+        // Without a second point, the coder never started: what it would have read then counts as read.
+        let read = if self.started { self.coder.next() } else { START_BYTES } as u64;
         (self.range.end - self.range.start).saturating_sub(read)
     }
 
@@ -112,10 +115,9 @@ impl<F: Part> AnyLane for Lane<F> {
 }
 
 impl<F: Field> Lane<F> {
-    /// Decodes the next point's field; false if the bytes ended before.
+    /// Decodes the next point's field; false if the bytes ended before, or make no sense.
     #[inline(always)]
     pub fn step(&mut self, facts: Facts, record: &mut [u8]) -> bool {
-        self.field.step(&mut self.coder, &self.bytes, facts, record);
-        !self.has_ended()
+        self.field.step(&mut self.coder, &self.bytes, facts, record) & !self.has_ended()
     }
 }

@@ -115,10 +115,11 @@ impl Part for WavePacket {
 
 impl Field for WavePacket {
     #[inline(always)]
-    fn step(&mut self, coder: &mut Coder, bytes: &[u8], facts: Facts, record: &mut [u8]) {
+    fn step(&mut self, coder: &mut Coder, bytes: &[u8], facts: Facts, record: &mut [u8]) -> bool {
         let at = self.at;
         let (models, last) = self.contexts.enter(facts.item());
         *last = models.next(last, coder, bytes);
         last.write(&mut record[at..at + PACKET_BYTES]);
+        true
     }
 }
