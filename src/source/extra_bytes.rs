@@ -203,4 +203,27 @@ mod tests {
         assert_eq!((two, warnings), (parsed(&list, 5).0, Vec::new()));
         assert_eq!(parsed(&[], 3), (Vec::new(), String::new()), "bytes that nobody explains are common");
     }
+
+    proptest::proptest! {
+        #[test]
+        fn any_list_stays_within_the_record(
+            kinds in proptest::collection::vec((0u8..=35, 0u8..=255), 0..9),
+            noise in 0u64..,
+            extra_bytes in 0usize..40,
+        ) {
+            let words: Vec<_> = (40..184).step_by(8).map(|at| (at, noise.rotate_left(at as u32))).collect();
+            let list: Vec<u8> = kinds.iter().flat_map(|&(kind, options)| entry(kind, options, "x", &words)).collect();
+            let (found, _) = parsed(&list, extra_bytes);
+            let extra: Vec<u8> = (0..extra_bytes).map(|i| (noise >> (i % 8)) as u8).collect();
+            let mut at = 0;
+            for dimension in &found {
+                proptest::prop_assert_eq!(dimension.at, at);
+                at += dimension.bytes();
+                proptest::prop_assert_eq!(dimension.raw(&extra).map(<[u8]>::len), Some(dimension.bytes()));
+                let typed = !matches!(dimension.kind, ExtraKind::Bytes(_));
+                proptest::prop_assert_eq!(dimension.number(&extra, dimension.elements - 1).is_some(), typed);
+            }
+            proptest::prop_assert!(at <= extra_bytes);
+        }
+    }
 }

@@ -136,11 +136,20 @@ impl RecordReader {
 /// Smallest and largest coordinate per axis.
 fn extent(positions: &[[i32; 3]]) -> ([i32; 3], [i32; 3]) {
     let (fours, rest) = positions.as_chunks::<4>();
-    let (least, most) = extent_in_lanes(fours.as_flattened().as_flattened());
-    let lanes = least.as_chunks().0.iter().zip(most.as_chunks().0);
-    lanes.chain(rest.iter().map(|p| (p, p))).fold(([i32::MAX; 3], [i32::MIN; 3]), |(low, high), (l, m)| {
-        (std::array::from_fn(|a| low[a].min(l[a])), std::array::from_fn(|a| high[a].max(m[a])))
-    })
+    let (mut low, mut high) = ([i32::MAX; 3], [i32::MIN; 3]);
+    let mut widen = |least: &[i32; 3], most: &[i32; 3]| {
+        for axis in 0..3 {
+            low[axis] = low[axis].min(least[axis]);
+            high[axis] = high[axis].max(most[axis]);
+        }
+    };
+    // A preview's runs may have one record.
+    if !fours.is_empty() {
+        let (least, most) = extent_in_lanes(fours.as_flattened().as_flattened());
+        least.as_chunks().0.iter().zip(most.as_chunks().0).for_each(|(least, most)| widen(least, most));
+    }
+    rest.iter().for_each(|position| widen(position, position));
+    (low, high)
 }
 
 /// Four points at a time, in as many lanes: the compiler makes vector instructions of that. It must
@@ -161,8 +170,12 @@ fn extent_in_lanes(values: &[i32]) -> ([i32; 12], [i32; 12]) {
 /// Largest value per channel.
 fn largest(colors: &[[u16; 4]]) -> [u16; 4] {
     let (eights, rest) = colors.as_chunks::<8>();
-    let lanes = largest_in_lanes(eights.as_flattened().as_flattened());
-    lanes.as_chunks().0.iter().chain(rest).fold([0; 4], |m, c| std::array::from_fn(|i| m[i].max(c[i])))
+    let larger = |m: [u16; 4], c: &[u16; 4]| std::array::from_fn(|i| m[i].max(c[i]));
+    let most = rest.iter().fold([0; 4], larger);
+    if eights.is_empty() {
+        return most;
+    }
+    largest_in_lanes(eights.as_flattened().as_flattened()).as_chunks().0.iter().fold(most, larger)
 }
 
 /// Eight colours at a time; a function of its own like [`extent_in_lanes`].

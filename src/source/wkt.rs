@@ -136,4 +136,13 @@ mod tests {
         assert_eq!(told(r#"PROJCS["unclosed"#), (some("unclosed", None), None));
         assert_eq!(told(r#"]]]"PROJCS["é"["#), (None, None));
     }
+
+    proptest::proptest! {
+        #[test]
+        fn any_text_comes_to_an_end(text in "(PROJCS|VERT_CS|AUTHORITY|EPSG|[\\[\\]()\",é 1])*") {
+            let (horizontal, vertical) = told(&text);
+            proptest::prop_assert!(horizontal.is_none_or(|h| text.contains("PROJCS") && text.contains(&h.name)));
+            proptest::prop_assert!(vertical.is_none_or(|v| text.contains("VERT_CS") && text.contains(&v.name)));
+        }
+    }
 }

@@ -198,7 +198,7 @@ fn impossible_numbers_in_compressed_files() {
                 Ok(read) => (read.positions_in_order(), read.error().to_owned()),
                 Err(error) => (Vec::new(), error.to_string()),
             };
-            assert_eq!(found, scan.positions()[..points], "format {format}, {name}: {error}");
+            assert!(found == scan.positions()[..points], "format {format}, {name}: {} points, {error}", found.len());
             assert!(error.contains(line) && error.is_empty() == line.is_empty(), "format {format}, {name}: {error}");
         }
         // What these lead to depends on the bytes they point to: an answer or a line, soon.
@@ -227,7 +227,7 @@ fn records_that_lie_where_they_cannot() {
         change(&mut bytes);
         let read = bench.read(&bytes).unwrap();
         assert_eq!((read.points(), read.error()), (1_000, ""));
-        assert_eq!(read.positions_in_order(), scan.positions());
+        assert!(read.positions_in_order() == scan.positions());
         read.report.files[0].warnings.join("; ")
     };
     assert_eq!(read(&|_| ()), "");
@@ -275,7 +275,7 @@ fn too_many_extra_bytes_are_left_out() {
         let scan = Scan { extra_bytes, ..Scan::new(6, 20) };
         for how in [As::Las, As::Laz(10)] {
             let found = bench.read(&scan.bytes(how)).unwrap();
-            assert_eq!((found.positions_in_order(), found.error()), (scan.positions(), ""));
+            assert!(found.positions_in_order() == scan.positions() && found.error().is_empty());
             let told = found.report.files[0].warnings.join("; ");
             assert_eq!(told.is_empty(), read, "{told}");
             assert_eq!(found.batches[0].attributes.extra.is_empty(), !read);
