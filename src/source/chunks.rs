@@ -11,6 +11,7 @@ use laz::{LazItem, LazItemType, LazVlr, decoders::ArithmeticDecoder, decompresso
 use super::{
     SourceError,
     bytes::{RangeReader, read_vec_at, u16_at, u32_at, u64_at},
+    copc,
     header::Header,
 };
 
@@ -57,6 +58,8 @@ pub struct LazLayout {
     pub chunk_size: Option<u32>,
     pub source: ChunkSource,
     pub chunks: Vec<Chunk>,
+    /// COPC: the octree level of each chunk; else empty.
+    pub levels: Vec<u8>,
 }
 
 impl LazLayout {
@@ -93,8 +96,14 @@ impl LazLayout {
         let bytes = vlr.data(file, 64 << 10).map_err(io)?;
         let (compressor, chunk_size, items) = parse_vlr(&bytes, header.record_length()).map_err(fault)?;
 
-        let mut layout =
-            LazLayout { compressor, items, chunk_size, source: ChunkSource::OneStream, chunks: Vec::new() };
+        let mut layout = LazLayout {
+            compressor,
+            items,
+            chunk_size,
+            source: ChunkSource::OneStream,
+            chunks: Vec::new(),
+            levels: Vec::new(),
+        };
         let data_at = header.data_at();
         if compressor == POINT_WISE {
             layout.chunks.push(Chunk {
@@ -128,6 +137,9 @@ impl LazLayout {
             }
         }
         clamp_points(&mut layout.chunks, header.points);
+        if header.is_copc() {
+            layout.levels = copc::levels(header, file, &layout.chunks).map_err(io)?;
+        }
         Ok(layout)
     }
 }

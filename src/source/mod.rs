@@ -8,7 +8,7 @@
 //! ```text
 //! inputs    files and folders → a list of files
 //! header    one file's header, with its VLRs (vlr, crs, wkt, extra_bytes), read tolerantly
-//! chunks    where a LAZ file's chunks are
+//! chunks    where a LAZ file's chunks are; copc: which of them are an octree's coarser levels
 //! plan      which files, which grid (grid), which record numbers, which fields
 //! order     in which order their points are read
 //! stream    threads, and how their results get into that order
@@ -23,6 +23,7 @@ use std::{
         atomic::{AtomicBool, Ordering},
     },
     thread::JoinHandle,
+    time::Duration,
 };
 
 use crossbeam_channel::{Receiver, Sender, bounded};
@@ -32,6 +33,7 @@ use crate::scene::{PointBatch, SceneFacts};
 mod attributes;
 mod bytes;
 pub(crate) mod chunks;
+mod copc;
 pub(crate) mod crs;
 mod error;
 mod extra_bytes;
@@ -66,6 +68,9 @@ pub struct OpenOptions {
     pub threads: Option<usize>,
     pub order: Order,
     pub decoder: DecoderChoice,
+    /// A small read that takes longer has waited for a disk that seeks (by default 2 ms): the rest of a LAS
+    /// file's preview is then left for the end, and the order of the points depends on the disk.
+    pub slow_read: Option<Duration>,
     /// Fields to read besides the position. `None`: what the automatic colours ([`ColorStats::rule`])
     /// depend on, file by file, and no more.
     ///

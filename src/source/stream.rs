@@ -20,7 +20,7 @@ use super::{
     order::Task,
     plan::{self, FilePlan},
     report::{Outcome, file_report},
-    work::{Piece, Shared, Worker},
+    work::{Piece, SLOW_READ_SECS, Shared, Worker},
 };
 use crate::scene::{BATCH_POINTS, PointBatch};
 
@@ -50,10 +50,11 @@ fn tasks_ahead(threads: usize) -> usize {
     threads
 }
 
-/// The tasks that are left, and where their results are announced.
+/// The tasks that are left.
 struct Queue<'a> {
     tasks: std::slice::Iter<'a, Task>,
-    announce: Option<Sender<(u32, Receiver<Piece>)>>,
+    /// Put off until all others are done.
+    later: Vec<Task>,
 }
 
 impl Engine {
@@ -72,10 +73,11 @@ impl Engine {
             return;
         }
         let (announce, announced) = bounded(tasks_ahead(threads));
-        let queue = Mutex::new(Queue { tasks: plan.tasks.iter(), announce: Some(announce) });
+        let queue = Mutex::new(Queue { tasks: plan.tasks.iter(), later: Vec::new() });
         let shared = Shared {
             files: &plan.files,
             decoder: self.options.decoder,
+            slow_read_secs: self.options.slow_read.map_or(SLOW_READ_SECS, |d| d.as_secs_f64()),
             kept: Kept::default(),
             free: &self.free,
             cancel: &self.cancel,
@@ -84,11 +86,15 @@ impl Engine {
             let spawn = |n: usize| {
                 let name = format!("{DECODER_THREAD}{n}");
                 let builder = std::thread::Builder::new().name(name.clone());
-                builder.spawn_scoped(scope, || work(Worker::new(&shared, name), &queue, &self.cancel))
+                let (announce, worker) = (announce.clone(), Worker::new(&shared, name));
+                let (queue, cancel) = (&queue, &self.cancel);
+                builder.spawn_scoped(scope, move || work(worker, queue, announce, cancel))
             };
             // Fewer threads than asked for do as well.
             let first = spawn(0).ok()?;
             let workers: Vec<_> = std::iter::once(first).chain((1..threads).map_while(|n| spawn(n).ok())).collect();
+            // The workers' copies tell when all is announced.
+            drop(announce);
             let outcomes = self.in_order(announced, plan.files.len());
             let times: Vec<ThreadTimes> = workers.into_iter().filter_map(|w| w.join().ok()).collect();
             Some((outcomes, times))
@@ -146,26 +152,31 @@ impl Engine {
     }
 }
 
+/// Where the tasks' results are announced, in the order of the tasks.
+type Announce = Sender<(u32, Receiver<Piece>)>;
+
 /// A worker's life; returns how it spent its time.
-fn work(mut worker: Worker<'_>, queue: &Mutex<Queue<'_>>, cancel: &AtomicBool) -> ThreadTimes {
+fn work(mut worker: Worker<'_>, queue: &Mutex<Queue<'_>>, announce: Announce, cancel: &AtomicBool) -> ThreadTimes {
     loop {
         let began = Instant::now();
-        let Some((task, to)) = take_task(queue, cancel) else { return worker.times };
+        let Some((task, to)) = take_task(queue, &announce, cancel) else { return worker.times };
         worker.times.wait_secs += began.elapsed().as_secs_f64();
-        worker.work(task, to);
+        let left = worker.work(task, to);
+        if let (Some(left), Ok(mut queue)) = (left, queue.lock()) {
+            queue.later.push(left);
+        }
     }
 }
 
 /// Takes the next task and announces its results, under one lock: announced in the order taken.
-fn take_task(queue: &Mutex<Queue<'_>>, cancel: &AtomicBool) -> Option<(Task, Sender<Piece>)> {
+fn take_task(queue: &Mutex<Queue<'_>>, announce: &Announce, cancel: &AtomicBool) -> Option<(Task, Sender<Piece>)> {
     let mut queue = queue.lock().ok()?;
-    let task = if cancel.load(Ordering::Relaxed) { None } else { queue.tasks.next().copied() };
-    let Some(task) = task else {
-        queue.announce = None;
+    if cancel.load(Ordering::Relaxed) {
         return None;
-    };
+    }
+    let task = queue.tasks.next().copied().or_else(|| queue.later.pop())?;
     let (to, from) = bounded(PIECES_AHEAD);
-    queue.announce.as_ref()?.send((task.file, from)).ok()?;
+    announce.send((task.file, from)).ok()?;
     Some((task, to))
 }
 

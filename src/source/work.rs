@@ -31,6 +31,13 @@ pub const READ_BYTES: usize = 1 << 18;
 /// millisecond.
 pub const PIECE_BYTES: usize = 64 << 10;
 
+/// A read of a few kilobytes that takes longer than this has waited for a disk that seeks: then most
+/// samples are left for the end, when the blocks between them are read and they are in memory. From
+/// memory it takes a microsecond, from an SSD a tenth of this.
+pub const SLOW_READ_SECS: f64 = 2e-3;
+/// Samples after which that is judged; a busy machine may hold up one or two of them.
+const TRIED_SAMPLES: u32 = 12;
+
 /// Part of a task's result.
 pub enum Piece {
     Batch(PointBatch),
@@ -41,6 +48,7 @@ pub enum Piece {
 pub struct Shared<'a> {
     pub files: &'a [FilePlan],
     pub decoder: DecoderChoice,
+    pub slow_read_secs: f64,
     pub kept: Kept,
     pub free: &'a Receiver<PointBatch>,
     pub cancel: &'a AtomicBool,
@@ -86,8 +94,8 @@ impl<'a> Worker<'a> {
         }
     }
 
-    /// Does one task and sends its result.
-    pub fn work(&mut self, task: Task, to: Sender<Piece>) {
+    /// Does one task and sends its result; returns what it left for later.
+    pub fn work(&mut self, task: Task, to: Sender<Piece>) -> Option<Task> {
         let plan = &self.shared.files[task.file as usize];
         let preview = matches!(task.part, Part::Samples { .. } | Part::Firsts { .. } | Part::Starts { .. });
         let before = self.times.busy_secs();
@@ -95,15 +103,20 @@ impl<'a> Worker<'a> {
         let mut output = Output { to, plan, file: task.file, batch: None, outcome, stopped: false };
         let result = laz::catch(|| match self.file(task.file, plan) {
             Ok(file) => self.part(&file, task.part, &mut output),
-            Err(error) => output.fault(0, error),
+            Err(error) => {
+                output.fault(0, error);
+                None
+            }
         });
-        if let Err(panic) = result {
+        let left = result.unwrap_or_else(|panic| {
             output.fault(0, format!("the decoder stopped: {panic}"));
-        }
+            None
+        });
         self.times.wait_secs += output.finish();
         if preview {
             self.times.preview_secs += self.times.busy_secs() - before;
         }
+        left.map(|part| Task { file: task.file, part })
     }
 
     fn file(&mut self, number: u32, plan: &FilePlan) -> Result<Arc<File>, String> {
@@ -121,18 +134,22 @@ impl<'a> Worker<'a> {
         }
     }
 
-    fn part(&mut self, file: &Arc<File>, part: Part, output: &mut Output<'_>) {
+    fn part(&mut self, file: &Arc<File>, part: Part, output: &mut Output<'_>) -> Option<Part> {
         let plan = output.plan;
         let order = &plan.order;
         match (part, &plan.layout) {
-            (Part::Samples { start, end }, Layout::Las) => {
-                let Some(samples) = order.samples else { return };
-                let mut numbers = order.sequence[start as usize..end as usize].to_vec();
-                // For disks that seek.
-                numbers.sort_unstable();
-                for number in numbers {
-                    let range = samples.range(number);
+            (Part::Samples { start, end, early }, Layout::Las) => {
+                let samples = order.samples?;
+                let mut slow = 0;
+                for position in start..end {
+                    let range = samples.range(order.sequence[position as usize]);
+                    let before = self.times.read_secs;
                     self.records(file, (range.start, range.end), output, |from, to| Some((from, to)).into_iter());
+                    slow += u32::from(self.times.read_secs - before > self.shared.slow_read_secs);
+                    let done = position + 1 - start;
+                    if early && done >= TRIED_SAMPLES && 2 * slow > done && position + 1 < end {
+                        return Some(Part::Samples { start: position + 1, end, early: false });
+                    }
                 }
             }
             (Part::Block(block), Layout::Las) => {
@@ -165,6 +182,7 @@ impl<'a> Worker<'a> {
             }
             _ => {}
         }
+        None
     }
 
     /// Reads LAS records `start..end` and takes the stretches of them that `wanted` names.

@@ -7,13 +7,13 @@ use std::{
 
 use firstlight::{
     scene::{BATCH_POINTS, PointBatch},
-    source::{Event, SourceError},
+    source::{Event, OpenOptions, SourceError},
 };
 
 use super::{
     data,
     made::{As, Scan},
-    read, start,
+    options, read, read_with, start,
 };
 
 fn same(a: &[PointBatch], b: &[PointBatch]) -> bool {
@@ -133,6 +133,52 @@ fn recycled_buffers_change_nothing() {
         }
     }
     assert_eq!(number, kept.batches.len());
+}
+
+#[test]
+fn a_preview_that_a_slow_disk_puts_off_loses_nothing() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = big(dir.path(), As::Las);
+    let early = read(std::slice::from_ref(&path), 2).unwrap();
+    for threads in [1, 2, 4] {
+        // Every read is too slow.
+        let options = OpenOptions { slow_read: Some(Duration::ZERO), ..options(threads) };
+        let late = read_with(std::slice::from_ref(&path), options).unwrap();
+        assert!(late.in_record_order() == early.in_record_order(), "{threads} threads");
+        assert_eq!(late.error(), "");
+        // A dozen samples come early, the others last.
+        assert!(late.batches[0].len() < early.batches[0].len());
+        let last = late.batches.last().unwrap();
+        assert_eq!(last.len(), early.batches[0].len() - late.batches[0].len());
+    }
+}
+
+#[test]
+fn an_octree_shows_its_coarsest_level_first() {
+    let Some(data) = data() else { return };
+    // Both files have their root at the end, or near it.
+    for (name, root) in [("potree-lion_takanawa", 306_086..341_989), ("pdal-lone-star", 354_652..413_045)] {
+        let path = data.join(format!("scans/{name}.copc.laz"));
+        let found = read(std::slice::from_ref(&path), 1).unwrap();
+        let first = found.batches.iter().find(|b| b.len() > 1_000).unwrap();
+        assert!(first.records.iter().all(|r| root.contains(r)), "{name}: records {:?}", &first.records[..3]);
+        // A hierarchy that names itself without end, and one that is not there.
+        let whole = std::fs::read(&path).unwrap();
+        let info = 375 + 54;
+        let page = u64::from_le_bytes(whole[info + 40..info + 48].try_into().unwrap());
+        for (at, value) in [(page as usize + 28, (-1i32).to_le_bytes().to_vec()), (info + 40, vec![0xff; 8])] {
+            let mut damaged = whole.clone();
+            damaged[at..at + value.len()].copy_from_slice(&value);
+            if value.len() == 4 {
+                damaged[at - 12..at - 4].copy_from_slice(&page.to_le_bytes());
+            }
+            let dir = tempfile::tempdir().unwrap();
+            let path = dir.path().join("damaged.copc.laz");
+            std::fs::write(&path, damaged).unwrap();
+            let again = read(&[path], 2).unwrap();
+            assert!(again.in_record_order() == found.in_record_order(), "{name}");
+        }
+    }
 }
 
 #[test]

@@ -76,7 +76,7 @@ impl Way {
             FieldSet::Colors => Some(Fields::COLORS),
             FieldSet::All => Some(Fields::ALL),
         };
-        OpenOptions { threads: self.threads, order, decoder, fields, wake: None }
+        OpenOptions { threads: self.threads, order, decoder, fields, ..Default::default() }
     }
 
     /// Order, decoder and fields as the command line calls them.
