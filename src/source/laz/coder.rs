@@ -5,6 +5,8 @@
 //! part of the one that was written. Bit for bit the `laz` crate's `ArithmeticDecoder`, but bytes come
 //! in without a branch: whether a symbol ends a byte is as good as random.
 
+use std::hint::select_unpredictable;
+
 use super::model::{BitModel, Model, REST, Share};
 
 /// Intervals at least this long are not stretched.
@@ -56,7 +58,7 @@ impl Coder {
     #[inline(always)]
     fn interval(&self, unit: u32, share: Share) -> (u32, u32) {
         let start = u32::from(share.start) * unit;
-        let end = if share.end == REST { self.length } else { u32::from(share.end) * unit };
+        let end = select_unpredictable(share.end == REST, self.length, u32::from(share.end) * unit);
         (start, end - start)
     }
 
@@ -117,12 +119,11 @@ impl Coder {
     /// Takes in as many bytes as make the interval long again: none to three.
     #[inline]
     fn stretch(&mut self, bytes: &[u8]) {
-        // Compared rather than by `leading_zeros`: without LZCNT that is eight micro-operations.
-        let below = |bits: u32| u32::from(self.length < 1 << bits);
-        let shift = (below(24) + below(16) + below(8)) * 8;
+        // Of 64 bits, so that no shift is too far for the compiler's liking.
+        let shift = self.length.leading_zeros() & !7;
         let wide = u64::from(self.value) << 32 | u64::from(four(bytes, self.next));
         self.value = ((wide << shift) >> 32) as u32;
-        self.length <<= shift;
+        self.length = (u64::from(self.length) << shift) as u32;
         self.next += shift as usize / 8;
         debug_assert!(self.length >= SHORTEST);
     }

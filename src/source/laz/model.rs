@@ -6,6 +6,8 @@
 //! than one row have a row of rows above it: no decoder table to rebuild at each update, and no
 //! bisection, whose branches nobody can predict.
 
+use std::hint::select_unpredictable;
+
 use super::search::{FLAT, ROW, first_above, first_above_of_four};
 
 /// Counts are halved when their sum passes this; a distribution is in these units, too.
@@ -54,8 +56,7 @@ impl Model {
     pub fn new(symbols: u32) -> Model {
         let symbols = symbols.clamp(2, 2048) as usize;
         let (upper, rows) = match symbols.div_ceil(ROW) {
-            1 => (0, 1),
-            2..=FLAT => (0, FLAT),
+            1..=FLAT => (0, FLAT),
             rows => (rows.div_ceil(ROW), rows),
         };
         Model::with_rows(symbols, upper, rows)
@@ -100,8 +101,6 @@ impl Model {
         let symbol = if upper == 1 {
             let row = first_above(&self.slab[0], scaled) - 1;
             ROW * row + first_above(&self.slab[1 + row], scaled) - 1
-        } else if self.counts == 1 {
-            first_above(&self.slab[0], scaled) - 1
         } else if let Some(rows) = self.slab.first_chunk()
             && upper == 0
         {
@@ -110,9 +109,11 @@ impl Model {
             let row = self.slab[..upper].iter().map(|r| first_above(r, scaled)).sum::<usize>() - 1;
             ROW * row + first_above(&self.slab[upper + row], scaled) - 1
         };
-        let distribution = self.slab[upper..].as_flattened();
-        let end = if symbol == usize::from(self.last) { REST } else { distribution[symbol + 1] };
-        Share { symbol: symbol as u16, start: distribution[symbol], end }
+        // After the last symbol's come counts, never the slab's end. Which symbol is the last one is
+        // anybody's guess in a model of two.
+        let distribution = &self.slab[upper..].as_flattened()[symbol..symbol + 2];
+        let end = select_unpredictable(symbol == usize::from(self.last), REST, distribution[1]);
+        Share { symbol: symbol as u16, start: distribution[0], end }
     }
 
     /// `find` for a value that no row can be searched for: one of the last two symbols.

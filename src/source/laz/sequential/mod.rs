@@ -11,6 +11,8 @@
 mod gps_time;
 mod point10;
 mod rgb12;
+#[cfg(test)]
+mod tests;
 mod wave_packet13;
 
 use laz::{LazItem, LazItemType};

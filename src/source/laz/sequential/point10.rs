@@ -1,6 +1,8 @@
 //! The point item of formats 0 to 5 (`Point10`, 20 bytes): version 2 with contexts by return number,
 //! and the older version 1.
 
+use std::hint::select_unpredictable;
+
 use super::{
     super::{
         coder::Coder,
@@ -78,43 +80,14 @@ struct StreamingMedian {
 impl StreamingMedian {
     const NEW: StreamingMedian = StreamingMedian { values: [0; 5], high: true };
 
+    /// In comes `v`, out goes the highest or the lowest; without a branch, as nobody knows which.
     #[inline]
     fn add(&mut self, v: i32) {
         let [a, b, c, d, e] = self.values;
-        if self.high {
-            if v < c {
-                let (a, b, c) = sorted_in(v, a, b);
-                self.values = [a, b, c, self.values[2], d];
-            } else {
-                self.values = if v < d { [a, b, c, v, d] } else { [a, b, c, d, v] };
-                self.high = false;
-            }
-        } else if c < v {
-            // The mirror image.
-            let (e, d, c) = if e < v {
-                (v, e, d)
-            } else if d < v {
-                (e, v, d)
-            } else {
-                (e, d, v)
-            };
-            self.values = [b, self.values[2], c, d, e];
-        } else {
-            self.values = if b < v { [b, v, c, d, e] } else { [v, b, c, d, e] };
-            self.high = true;
-        }
-    }
-}
-
-/// Three rising numbers of `v` and two rising ones.
-#[inline]
-fn sorted_in(v: i32, a: i32, b: i32) -> (i32, i32, i32) {
-    if v < a {
-        (v, a, b)
-    } else if v < b {
-        (a, v, b)
-    } else {
-        (a, b, v)
+        let kept = select_unpredictable(self.high, [a, b, c, d], [b, c, d, e]);
+        self.high = v < c || (v == c && !self.high);
+        let [a, b, c, d] = kept;
+        self.values = [v.min(a), v.min(b).max(a), v.min(c).max(b), v.min(d).max(c), v.max(d)];
     }
 }
 
