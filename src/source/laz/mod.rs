@@ -22,6 +22,7 @@ pub mod sequential;
 #[cfg(test)]
 mod tests;
 
+#[expect(unused_imports, reason = "the stream does not decode with it yet")]
 pub use layered::LayeredDecoder;
 pub use reference::{ChunkEnd, DECODER_THREAD, decode_chunk, silence_decoder_panics, take_panic};
 #[expect(unused_imports, reason = "the stream does not decode with it yet")]
