@@ -3,11 +3,13 @@
 //! Each chunk is its first record, raw, then a count of points, the sizes of its layers, and the layers:
 //! one stream of bytes per field, with a coder and models of its own. The first layer holds channel,
 //! returns, X and Y, and says what changes; all others take their contexts from it, and nothing from
-//! each other. So only the wanted layers are read, and points are decoded in blocks, one layer of a
-//! block after the other: its code and its models stay in the processor's caches.
+//! each other. So only the wanted layers are read, and any part of a chunk's points can be had from the
+//! first parts of its layers. Models are made when first used: small COPC nodes (16 points each) decode
+//! 13 to 25 times as fast as with the laz crate, which makes them all.
 //!
 //! ```text
-//! stream     a layer's bytes and its coder
+//! lanes      all layers of a chunk, and the loop over its points
+//! stream     a lane: a layer's bytes, its coder, and the decoder of its field
 //! position   the first layer
 //! contexts   what it tells the others, and what scanner channels do to them
 //! point, gps, color, extra, wave    the other layers
@@ -38,7 +40,7 @@ mod tables;
 mod tests;
 mod wave;
 
-/// Points decoded at a time, one layer after the other.
+/// Points decoded between two looks at how far the loaded bytes reach.
 const BLOCK: usize = 256;
 
 /// Bytes of the point item; its records start with it.
