@@ -1,11 +1,11 @@
 //! All lanes of a chunk, and the loop over its points that drives them: all lanes of a point, then the
 //! next point.
 //!
-//! One layer of 256 points after the other, each in a tight loop, was measured too: 0.96 to 1.02 times as
-//! fast over five scans, and 1.08 on one that is hard to compress. So was the first layer a point ahead
-//! of the others (0.98 to 1.01), and its symbols one by one between those of Z and intensity (0.93 to
-//! 1.06): what waits in one lane is not overlapped by another one, because a symbol is some 120
-//! instructions, and hardly two of them fit into what a processor looks ahead.
+//! Measured against it over six scans: one layer of 256 points after the other, each in a tight loop
+//! (0.96 to 1.02 times as fast, 1.08 on one that is hard to compress); the first layer a point ahead of
+//! the others (0.98 to 1.01); its symbols in turns with those of Z and intensity (0.93 to 1.06). That
+//! independent lanes would overlap in the processor was the hope; a symbol is some 120 instructions, so
+//! probably too few of them fit into what it looks ahead.
 
 use std::ops::Range;
 

@@ -4,8 +4,9 @@
 //! one stream of bytes per field, with a coder and models of its own. The first layer holds channel,
 //! returns, X and Y, and says what changes; all others take their contexts from it, and nothing from
 //! each other. So only the wanted layers are read, and any part of a chunk's points can be had from the
-//! first parts of its layers. Models are made when first used: small COPC nodes (16 points each) decode
-//! 13 to 25 times as fast as with the laz crate, which makes them all.
+//! first parts of its layers. Models are made when first used: COPC nodes of some 300 and 1,300 points
+//! decode 7 and 2.7 times as fast as with the laz crate, which makes them all; chunks of 50,000 points, 1.37
+//! to 1.56 times (six scans, all fields, one core).
 //!
 //! ```text
 //! lanes      all layers of a chunk, and the loop over its points
