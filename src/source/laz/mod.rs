@@ -1,5 +1,12 @@
 //! Decoding LAZ: from a chunk's compressed bytes to raw point records.
 //!
+//! Sequential chunks are decoded 1.4 to 1.65 times as fast as the `laz` crate does (0.13; eight scans of
+//! formats 0 to 3, alternated), and twice as fast where chunks are of a thousand points. Most of the time
+//! went into branches that nobody can foresee, so symbols, signs and ends of bytes are searched and
+//! selected instead. What did not help: a table in place of the upper row of models of 256 symbols (1.01),
+//! wider vector instructions (1.00 to 1.05), inlining all of a point (0.94 to 0.99), dividing before it is
+//! known to be needed (0.99), and two chunks alternated field by field in one thread (0.91 to 1.06).
+//!
 //! ```text
 //! search      a row of 16 rising numbers, searched at once
 //! model       how often each symbol came

@@ -35,12 +35,21 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_row_is_searched_alike_by_all() {
+    fn a_row_is_searched() {
         let row: [u16; ROW] = std::array::from_fn(|i| if i < 13 { (i * i * 150) as u16 } else { 32_767 });
         for value in 0..32_767 {
             let right = row.iter().position(|&n| n > value).unwrap_or(ROW);
             assert_eq!(first_above(&row, value), right, "{value}");
         }
         assert_eq!(first_above(&[3; ROW], 3), ROW);
+    }
+
+    #[test]
+    fn four_rows_are_searched_as_one() {
+        let numbers: [u16; 4 * ROW] = std::array::from_fn(|i| (i * i * 7) as u16);
+        for value in 0..32_767 {
+            let right = numbers.iter().position(|&n| n > value).unwrap_or(4 * ROW);
+            assert_eq!(first_above_of_four(&bytemuck::cast(numbers), value), right, "{value}");
+        }
     }
 }
