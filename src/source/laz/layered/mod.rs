@@ -16,8 +16,8 @@
 //! point, gps, color, extra, wave    the other layers
 //! ```
 //!
-//! Written from the LAZ specification's description and LASzip's behaviour as the laz crate has it, to
-//! which the tests hold it, byte for byte.
+//! The format is the one that LASzip and the laz crate (both Apache-2.0) decode; the tests hold this
+//! decoder to the latter, byte for byte.
 
 use std::ops::Range;
 
