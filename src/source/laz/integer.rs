@@ -91,5 +91,5 @@ fn model_of(models: &mut [Option<Box<Model>>], k: u32) -> &mut Model {
 #[cold]
 #[inline(never)]
 fn make(k: u32) -> Box<Model> {
-    Box::new(Model::in_two_steps(1 << k.min(MODELLED)))
+    Box::new(Model::new(1 << k.min(MODELLED)))
 }

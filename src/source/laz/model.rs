@@ -61,17 +61,6 @@ impl Model {
             1..=FLAT => (0, FLAT),
             rows => (rows.div_ceil(ROW), rows),
         };
-        Model::with_rows(symbols, upper, rows)
-    }
-
-    /// The same, always searched in two steps: for places that use models of all sizes up to 256 in
-    /// turns, where a branch on the size could not be predicted.
-    pub fn in_two_steps(symbols: u32) -> Model {
-        let symbols = symbols.clamp(2, 256) as usize;
-        Model::with_rows(symbols, 1, symbols.div_ceil(ROW))
-    }
-
-    fn with_rows(symbols: usize, upper: usize, rows: usize) -> Model {
         let mut slab = vec![[NEVER; ROW]; upper + 2 * rows].into_boxed_slice();
         let counts = slab[upper + rows..].as_flattened_mut();
         counts[..symbols].fill(1);

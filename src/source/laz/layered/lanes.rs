@@ -1,4 +1,11 @@
-//! All lanes of a chunk, and the loop over its points that drives them.
+//! All lanes of a chunk, and the loop over its points that drives them: all lanes of a point, then the
+//! next point.
+//!
+//! Measured against it over six scans: one layer of 256 points after the other, each in a tight loop
+//! (0.96 to 1.02 times as fast, 1.08 on one that is hard to compress); the first layer a point ahead of
+//! the others (0.98 to 1.01); its symbols in turns with those of Z and intensity (0.93 to 1.06). That
+//! independent lanes would overlap in the processor was the hope; a symbol is some 120 instructions, so
+//! probably too few of them fit into what it looks ahead.
 
 use std::ops::Range;
 
@@ -164,42 +171,34 @@ impl Lanes {
         )
     }
 
-    /// Decodes points into their records, which hold the first record's values; returns their number,
+    /// Decodes points into their records, which hold the first record's values: one that is not decoded
+    /// keeps them. Returns their number,
     /// smaller than the records' if the bytes of a lane ended or make no sense.
     pub fn decode(&mut self, records: &mut [u8], record_length: usize) -> usize {
         let mut done = 0;
-        let mut before: Option<(Facts, &mut [u8])> = None;
-        let mut records = records.chunks_exact_mut(record_length);
-        loop {
-            let next = records.next().and_then(|record| {
-                let (position, coder, bytes) = self.position.parts();
-                let facts = position.step(coder, bytes, record);
-                (!self.position.has_ended()).then_some((facts, record))
-            });
-            if let Some((facts, record)) = before {
-                let mut good = step(&mut self.z, facts, record);
-                good &= step(&mut self.classification, facts, record);
-                good &= step(&mut self.flags, facts, record);
-                good &= step(&mut self.intensity, facts, record);
-                good &= step(&mut self.scan_angle, facts, record);
-                good &= step(&mut self.user_data, facts, record);
-                good &= step(&mut self.point_source, facts, record);
-                good &= step(&mut self.gps_time, facts, record);
-                good &= step(&mut self.rgb, facts, record);
-                good &= step(&mut self.nir, facts, record);
-                good &= step(&mut self.wave_packet, facts, record);
-                for lane in &mut self.extra_bytes {
-                    good &= lane.step(facts, record);
-                }
-                if !good {
-                    return done;
-                }
-                done += 1;
+        for record in records.chunks_exact_mut(record_length) {
+            let (position, coder, bytes) = self.position.parts();
+            let facts = position.step(coder, bytes, record);
+            let mut good = !self.position.has_ended();
+            good &= step(&mut self.z, facts, record);
+            good &= step(&mut self.classification, facts, record);
+            good &= step(&mut self.flags, facts, record);
+            good &= step(&mut self.intensity, facts, record);
+            good &= step(&mut self.scan_angle, facts, record);
+            good &= step(&mut self.user_data, facts, record);
+            good &= step(&mut self.point_source, facts, record);
+            good &= step(&mut self.gps_time, facts, record);
+            good &= step(&mut self.rgb, facts, record);
+            good &= step(&mut self.nir, facts, record);
+            good &= step(&mut self.wave_packet, facts, record);
+            for lane in &mut self.extra_bytes {
+                good &= lane.step(facts, record);
             }
-            if next.is_none() {
+            if !good {
                 return done;
             }
-            before = next;
+            done += 1;
         }
+        done
     }
 }

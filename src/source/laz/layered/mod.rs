@@ -3,18 +3,21 @@
 //! Each chunk is its first record, raw, then a count of points, the sizes of its layers, and the layers:
 //! one stream of bytes per field, with a coder and models of its own. The first layer holds channel,
 //! returns, X and Y, and says what changes; all others take their contexts from it, and nothing from
-//! each other. So only the wanted layers are read, and points are decoded in blocks, one layer of a
-//! block after the other: its code and its models stay in the processor's caches.
+//! each other. So only the wanted layers are read, and any part of a chunk's points can be had from the
+//! first parts of its layers. Models are made when first used: COPC nodes of some 300 and 1,300 points
+//! decode 7 and 2.7 times as fast as with the laz crate, which makes them all; chunks of 50,000 points, 1.37
+//! to 1.56 times (six scans, all fields, one core).
 //!
 //! ```text
-//! stream     a layer's bytes and its coder
+//! lanes      all layers of a chunk, and the loop over its points
+//! stream     a lane: a layer's bytes, its coder, and the decoder of its field
 //! position   the first layer
 //! contexts   what it tells the others, and what scanner channels do to them
 //! point, gps, color, extra, wave    the other layers
 //! ```
 //!
-//! Written from the LAZ specification's description and LASzip's behaviour as the laz crate has it, to
-//! which the tests hold it, byte for byte.
+//! The format is the one that LASzip and the laz crate (both Apache-2.0) decode; the tests hold this
+//! decoder to the latter, byte for byte.
 
 use std::ops::Range;
 
@@ -38,7 +41,7 @@ mod tables;
 mod tests;
 mod wave;
 
-/// Points decoded at a time, one layer after the other.
+/// Points decoded between two looks at how far the loaded bytes reach.
 const BLOCK: usize = 256;
 
 /// Bytes of the point item; its records start with it.

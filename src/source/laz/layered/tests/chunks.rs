@@ -3,7 +3,6 @@
 use std::{
     fs,
     io::{Cursor, Write},
-    panic::{AssertUnwindSafe, catch_unwind},
     path::{Path, PathBuf},
 };
 
@@ -13,7 +12,10 @@ use laz::{
     record::{LayeredPointRecordCompressor, LayeredPointRecordDecompressor, RecordCompressor, RecordDecompressor},
 };
 
-use super::super::{Fields, record_length};
+use super::super::{
+    super::{DECODER_THREAD, silence_decoder_panics},
+    Fields, record_length,
+};
 
 /// A chunk's bytes, what they hold, and where they are from.
 pub struct Chunk {
@@ -32,7 +34,9 @@ impl Chunk {
     pub fn by_laz(&self, fields: Fields) -> (Vec<u8>, usize) {
         let mut records = vec![0; self.points * self.record_length()];
         let mut good = 0;
-        let _ = catch_unwind(AssertUnwindSafe(|| {
+        // What was decoded before a panic counts; decoder threads panic silently.
+        silence_decoder_panics();
+        let decode = || {
             let mut decoder = LayeredPointRecordDecompressor::new(Cursor::new(&self.bytes));
             decoder.set_fields_from(&self.items).unwrap();
             decoder.set_selection(selection(fields));
@@ -42,13 +46,20 @@ impl Chunk {
                 }
                 good += 1;
             }
-        }));
+        };
+        let thread = std::thread::Builder::new().name(format!("{DECODER_THREAD}laz"));
+        std::thread::scope(|scope| {
+            let _ = thread.spawn_scoped(scope, decode).unwrap().join();
+        });
         (records, good)
     }
 }
 
+/// Adds a field to a selection.
+type Add = fn(Selection) -> Selection;
+
 fn selection(fields: Fields) -> Selection {
-    let all: [(bool, fn(Selection) -> Selection); 11] = [
+    let all: [(bool, Add); 11] = [
         (fields.rgb, Selection::decompress_rgb),
         (fields.nir, Selection::decompress_nir),
         (fields.intensity, Selection::decompress_intensity),
@@ -222,9 +233,9 @@ impl Recipe {
                 n => 1e-5 * (1 + n % 3) as f64,
             };
             record[22..30].copy_from_slice(&time.to_le_bytes());
-            for i in 30..length {
-                if random.rarely(1 + i as u64 % 5) {
-                    record[i] = record[i].wrapping_add(random.below(9) as u8);
+            for (byte, pace) in record[30..].iter_mut().zip([1, 2, 3, 4, 5].into_iter().cycle()) {
+                if random.rarely(pace) {
+                    *byte = byte.wrapping_add(random.below(9) as u8);
                 }
             }
             if self.format >= 9 {
