@@ -179,7 +179,7 @@ impl FilePlan {
             Layout::Las => READ_BYTES as u64 + self.header.record_length() as u64,
             Layout::Laz(layout) => {
                 let chunk = layout.chunks.iter().map(|c| c.bytes).filter(|&b| b <= laz::MAX_CHUNK_BYTES).max();
-                chunk.unwrap_or(0) + PIECE_BYTES as u64 + laz::DECODER_BYTES
+                chunk.unwrap_or(0) + PIECE_BYTES as u64 + laz::decoder_bytes(&layout.items)
             }
         }
     }

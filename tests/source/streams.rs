@@ -113,7 +113,7 @@ fn no_thread_outlives_its_stream() {
     let wake: std::sync::Arc<dyn Fn() + Send + Sync> = std::sync::Arc::new(move || {
         let _ = &held;
     });
-    let options = firstlight::source::OpenOptions { threads: Some(2), wake: Some(wake), ..Default::default() };
+    let options = OpenOptions { threads: Some(2), wake: Some(wake), ..Default::default() };
     drop(firstlight::source::open(&[path], options));
     assert_eq!(std::sync::Arc::strong_count(&marker), 1, "the thread and its callback are gone");
 }
@@ -157,7 +157,7 @@ fn a_preview_that_a_slow_disk_puts_off_loses_nothing() {
 fn an_octree_shows_its_coarsest_level_first() {
     let Some(data) = data() else { return };
     // Both files have their root at the end, or near it.
-    for (name, root) in [("potree-lion_takanawa", 306_086..341_989), ("pdal-lone-star", 354_652..413_045)] {
+    for (name, root) in [("potree-lion_takanawa", 306_086..341_989), ("pdal-lone-star", 354_869..413_262)] {
         let path = data.join(format!("scans/{name}.copc.laz"));
         let found = read(std::slice::from_ref(&path), 1).unwrap();
         let first = found.batches.iter().find(|b| b.len() > 1_000).unwrap();

@@ -14,6 +14,8 @@
 
 use std::{fs::File, sync::Arc};
 
+use laz::{LazItem, LazItemType};
+
 use super::{
     chunks::{Chunk, ChunkSource, LazLayout},
     fields::Fields,
@@ -40,8 +42,15 @@ pub use panics::{DECODER_THREAD, catch, silence_decoder_panics};
 /// 50,000 points have less than 4 MB.
 pub const MAX_CHUNK_BYTES: u64 = 32 << 20;
 
-/// Most heap memory of one decoder, all its models made.
-pub const DECODER_BYTES: u64 = 4 << 20;
+/// Most heap memory of one decoder with all its models made, without its chunk's bytes: 4 MiB for the
+/// fields that LAS defines, and for each extra byte a model per scanner channel.
+pub fn decoder_bytes(items: &[LazItem]) -> u64 {
+    let extra_bytes = |item: &LazItem| match item.item_type() {
+        LazItemType::Byte(n) | LazItemType::Byte14(n) => u64::from(n),
+        _ => 0,
+    };
+    (4 << 20) + items.iter().map(extra_bytes).sum::<u64>() * 4 * 1_280
+}
 
 /// Which decoder reads LAZ.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
