@@ -4,6 +4,7 @@
 use std::{
     fmt::{self, Display, Formatter},
     path::{Path, PathBuf},
+    sync::atomic::AtomicBool,
 };
 
 use las::point::Format;
@@ -146,7 +147,7 @@ impl Info {
     pub fn read(path: &Path) -> Result<Info, SourceError> {
         let (mut header, file) = Header::read(path)?;
         let mut warnings = std::mem::take(&mut header.warnings);
-        let laz = header.compressed.then(|| LazLayout::read(&header, &file, &mut warnings));
+        let laz = header.compressed.then(|| LazLayout::read(&header, &file, &mut warnings, &AtomicBool::new(false)));
         let laz = laz.and_then(|read| read.map_err(|e| warnings.push(e.to_string())).ok());
         let crs = Crs::read(&file, header.all_vlrs()).map_err(|e| SourceError::Io {
             path: path.into(),

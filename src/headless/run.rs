@@ -1,6 +1,9 @@
 //! One run: events in, frames, outputs.
 
-use std::{sync::Arc, time::Instant};
+use std::{
+    sync::Arc,
+    time::{Duration, Instant},
+};
 
 use super::{
     default_camera,
@@ -37,7 +40,10 @@ pub enum HeadlessError {
 /// be read; see [`Report::is_partial`].
 pub fn render(settings: &Settings) -> Result<Report, HeadlessError> {
     // Reading starts first: a GPU takes a while to set up.
-    let stream = source::open(&settings.inputs, OpenOptions { threads: settings.threads, ..Default::default() });
+    // What stops half-way repeats bit for bit: then the order of the points must not depend on the disk.
+    let slow_read = matches!(settings.stop, Stop::Frames(_) | Stop::Points(_)).then_some(Duration::MAX);
+    let stream =
+        source::open(&settings.inputs, OpenOptions { threads: settings.threads, slow_read, ..Default::default() });
     let (backend, backend_name, notes) = make_backend(settings.backend, settings.raster, settings.threads)?;
     let mut report = Report::new(settings, backend.info(), backend_name);
     report.notes = notes;

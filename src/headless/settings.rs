@@ -32,7 +32,7 @@ pub enum Stop {
     Converged,
     /// After so many frames, or once the picture has converged.
     Frames(u64),
-    /// When the first so many points (of the files in order) are stored and tried.
+    /// When the first so many points, in the order they are read, are stored and tried.
     Points(u64),
 }
 

@@ -4,6 +4,7 @@
 use std::{
     fs::File,
     io::{self, Read},
+    sync::atomic::{AtomicBool, Ordering},
 };
 
 use laz::{LazItem, LazItemType, LazVlr, decoders::ArithmeticDecoder, decompressors::IntegerDecompressorBuilder};
@@ -20,8 +21,12 @@ pub const POINT_WISE: u16 = 1;
 pub const POINT_WISE_CHUNKED: u16 = 2;
 pub const LAYERED_CHUNKED: u16 = 3;
 
-/// Extra bytes per point that a sequential decoder takes: each needs a model of 2.6 kB per thread.
+/// Extra bytes per point that a sequential decoder takes: each needs a model per thread, of 1.1 kB (2.6 kB with the laz crate).
 const MAX_SEQUENTIAL_EXTRA_BYTES: u16 = 8_192;
+
+/// A count that no chunk table backs is believed up to so many points per compressed byte: a hundred
+/// times what a scan of a flat floor reaches.
+const MOST_POINTS_PER_BYTE: u64 = 512;
 
 /// More items than the largest point format has.
 const MAX_ITEMS: u16 = 32;
@@ -60,6 +65,8 @@ pub struct LazLayout {
     pub chunks: Vec<Chunk>,
     /// COPC: the octree level of each chunk; else empty.
     pub levels: Vec<u8>,
+    /// From this chunk on, the header counts fewer points than the chunks hold.
+    pub clamped: usize,
 }
 
 impl LazLayout {
@@ -76,7 +83,7 @@ impl LazLayout {
     /// True if the header promises as many points of a chunk as the chunk has, so that a sequential
     /// decoder must end exactly at its end. Not known of the last chunk of fixed size, nor of a stream.
     pub fn is_exact(&self, chunk: u64) -> bool {
-        self.source == ChunkSource::Table && chunk + 1 < self.chunks.len() as u64
+        self.source == ChunkSource::Table && chunk + 1 < self.chunks.len() as u64 && chunk < self.clamped as u64
     }
 
     /// True if nothing says where a chunk ends: decoding goes on into the next one, and gives garbage.
@@ -84,8 +91,35 @@ impl LazLayout {
         self.source == ChunkSource::OneStream && self.compressor == POINT_WISE_CHUNKED && self.chunk_size.is_none()
     }
 
+    /// Fixed chunk sizes overstate the last chunk's points: no chunk goes beyond the header's count. If
+    /// chunks hold more than that, they are not read, as records behind the last of a LAS file are not.
+    fn clamp_points(&mut self, points: u64, warnings: &mut Vec<String>) {
+        let last = self.chunks.len().saturating_sub(1);
+        let held = |(i, chunk): (usize, &Chunk)| {
+            // Of the last chunk of fixed size only its first point is certain.
+            let certain = if self.chunk_size.is_some() && i == last { 1 } else { chunk.points };
+            chunk.first_point.saturating_add(certain)
+        };
+        let held = self.chunks.iter().enumerate().map(held).max().unwrap_or(0);
+        if held > points && self.source != ChunkSource::OneStream {
+            warnings.push(format!("the header counts {points} points, the chunks hold {held}: the rest is not read"));
+            self.clamped = self.chunks.iter().position(|c| c.first_point + c.points > points).unwrap_or(usize::MAX);
+        }
+        for chunk in &mut self.chunks {
+            chunk.points = chunk.points.min(points.saturating_sub(chunk.first_point));
+        }
+    }
+
     /// Finds a file's chunks; how, if not by its table, is said in the warnings.
-    pub fn read(header: &Header, file: &File, warnings: &mut Vec<String>) -> Result<LazLayout, SourceError> {
+    ///
+    /// # Errors
+    /// If the LASzip VLR is not there or asks for what cannot be decoded, or the file cannot be read.
+    pub fn read(
+        header: &Header,
+        file: &File,
+        warnings: &mut Vec<String>,
+        cancel: &AtomicBool,
+    ) -> Result<LazLayout, SourceError> {
         let path = || header.path.clone();
         let vlr = header
             .all_vlrs()
@@ -103,6 +137,7 @@ impl LazLayout {
             source: ChunkSource::OneStream,
             chunks: Vec::new(),
             levels: Vec::new(),
+            clamped: usize::MAX,
         };
         let data_at = header.data_at();
         if compressor == POINT_WISE {
@@ -115,7 +150,7 @@ impl LazLayout {
             return Ok(layout);
         }
         let start = data_at + 8;
-        match read_table(header, file, layout.chunk_size, layout.is_layered()).map_err(io)? {
+        match read_table(header, file, layout.chunk_size, layout.is_layered(), cancel).map_err(io)? {
             Ok(chunks) => {
                 layout.source = ChunkSource::Table;
                 layout.chunks = chunks;
@@ -127,7 +162,7 @@ impl LazLayout {
                 }
                 if layout.is_layered() {
                     layout.source = ChunkSource::Walked;
-                    layout.chunks = walk_layered(header, file, start, &layout.items).map_err(io)?;
+                    layout.chunks = walk_layered(header, file, start, &layout.items, cancel).map_err(io)?;
                 } else {
                     // Sequential chunks end where their decoder stops, so one can follow another; but
                     // without a table, nothing says how many points chunks of varying size have.
@@ -136,7 +171,13 @@ impl LazLayout {
                 }
             }
         }
-        clamp_points(&mut layout.chunks, header.points);
+        layout.chunks.shrink_to_fit();
+        if layout.source != ChunkSource::Table {
+            for chunk in &mut layout.chunks {
+                chunk.points = chunk.points.min(chunk.bytes.saturating_mul(MOST_POINTS_PER_BYTE));
+            }
+        }
+        layout.clamp_points(header.points, warnings);
         if header.is_copc() {
             layout.levels = copc::levels(header, file, &layout.chunks).map_err(io)?;
         }
@@ -220,6 +261,7 @@ fn read_table(
     file: &File,
     chunk_size: Option<u32>,
     layered: bool,
+    cancel: &AtomicBool,
 ) -> io::Result<Result<Vec<Chunk>, String>> {
     let (data_at, file_length) = (header.data_at(), header.file_length);
     let start = data_at + 8;
@@ -247,7 +289,7 @@ fn read_table(
     if u64::from(count) > room / least {
         return Ok(Err(format!("it says {count} chunks, but {room} bytes hold at most {}", room / least)));
     }
-    Ok(table_entries(reader, count, chunk_size, (start, table_at), least, layered))
+    Ok(table_entries(reader, count, chunk_size, (start, table_at), least, layered, cancel))
 }
 
 /// Decodes the table's entries; each must fit between the ones before it and the table.
@@ -258,6 +300,7 @@ fn table_entries(
     (start, end): (u64, u64),
     least: u64,
     layered: bool,
+    cancel: &AtomicBool,
 ) -> Result<Vec<Chunk>, String> {
     let mut chunks = Vec::new();
     if count == 0 {
@@ -269,6 +312,9 @@ fn table_entries(
     decoder.read_init_bytes().map_err(|e| broken(0, e))?;
     let (mut points, mut bytes, mut at, mut first_point) = (0i32, 0i32, start, 0u64);
     for i in 0..count {
+        if i % 4_096 == 0 && cancel.load(Ordering::Relaxed) {
+            break;
+        }
         if chunk_size.is_none() {
             points = integers.decompress(&mut decoder, points, 0).map_err(|e| broken(i, e))?;
         }
@@ -285,18 +331,27 @@ fn table_entries(
             return Err(format!("entry {i} of {count} says {} bytes, of {} that are left", chunk.bytes, end - at));
         }
         at += chunk.bytes;
-        first_point += chunk.points;
-        chunks.push(chunk);
+        first_point = first_point.saturating_add(chunk.points);
+        // Noise can read as millions of empty chunks.
+        if chunk.points > 0 {
+            chunks.push(chunk);
+        }
     }
     Ok(chunks)
 }
 
 /// Finds layered chunks without a table: each says its number of points and its layers' sizes.
-fn walk_layered(header: &Header, file: &File, start: u64, items: &[LazItem]) -> io::Result<Vec<Chunk>> {
+fn walk_layered(
+    header: &Header,
+    file: &File,
+    start: u64,
+    items: &[LazItem],
+    cancel: &AtomicBool,
+) -> io::Result<Vec<Chunk>> {
     let record = header.record_length() as u64;
     let mut chunks: Vec<Chunk> = Vec::new();
     let (mut at, mut first_point) = (start, 0);
-    while first_point < header.points {
+    while first_point < header.points && !cancel.load(Ordering::Relaxed) {
         let left = header.file_length.saturating_sub(at);
         let Some((points, bytes)) = layered_sizes(file, at, left, record, items)? else { break };
         let points = u64::from(points);
@@ -342,12 +397,5 @@ pub fn layer_count(item: &LazItem) -> usize {
         LazItemType::RGBNIR14 => 2,
         LazItemType::Byte14(n) => usize::from(n),
         _ => 1,
-    }
-}
-
-/// Fixed chunk sizes overstate the last chunk's points: no chunk goes beyond the header's count.
-fn clamp_points(chunks: &mut [Chunk], points: u64) {
-    for chunk in chunks {
-        chunk.points = chunk.points.min(points.saturating_sub(chunk.first_point));
     }
 }

@@ -46,9 +46,10 @@ pub enum SourceError {
     LaszipVlr { path: PathBuf, at: u64, what: String },
     /// Record numbers are 32 bits wide.
     #[error(
-        "{}: {points} points after {before} others: a scene holds at most {} points, open fewer files at once",
+        "{}: {points} points after {before} others: a scene holds at most {} points{}",
         path.display(),
-        u32::MAX
+        u32::MAX,
+        if *before > 0 { ", open fewer files at once" } else { "" }
     )]
     TooManyPoints { path: PathBuf, points: u64, before: u64 },
     /// Several inputs, and none could be opened.

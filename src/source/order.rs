@@ -59,11 +59,13 @@ pub struct Samples {
     pub count: u32,
 }
 
-/// Records of one sample, and from its end to the next sample at least: 3 % of the points, and 6 % of the
+/// Records of one sample, and about how far the samples are apart: 3 % of the points, and 6 % of the
 /// time, since each sample is a read of its own (64 of every 2,112 took 10 %; 256 of every 8,448 covered
-/// less). Both numbers divide a batch, so that all batches are full.
+/// less).
 const SAMPLE_RUN: u64 = 128;
-const SAMPLE_REST: u64 = 4_096;
+const SAMPLE_STRIDE: u64 = 4_224;
+/// So many samples fill a batch.
+const BATCH_SAMPLES: u64 = BLOCK / SAMPLE_RUN;
 /// At most so many samples: two per cell of a 64×64 grid.
 const MAX_SAMPLES: u64 = 8_192;
 /// LAS files with fewer blocks are there before a preview would be.
@@ -75,11 +77,12 @@ impl Samples {
         if points < SAMPLED_BLOCKS * BLOCK {
             return None;
         }
-        let mut rest = SAMPLE_REST;
-        while points / (SAMPLE_RUN + rest) > MAX_SAMPLES {
-            rest *= 2;
+        let mut count = points / SAMPLE_STRIDE;
+        if count > BATCH_SAMPLES {
+            // Only full batches: what follows a smaller one is copied together to insertions.
+            count = ((count + BATCH_SAMPLES / 2) / BATCH_SAMPLES * BATCH_SAMPLES).min(MAX_SAMPLES);
         }
-        Some(Samples { run: SAMPLE_RUN, rest, count: (points / (SAMPLE_RUN + rest)) as u32 })
+        Some(Samples { run: SAMPLE_RUN, rest: points / count - SAMPLE_RUN, count: count as u32 })
     }
 
     /// Records of one sample; all samples lie wholly within the file.
@@ -189,12 +192,7 @@ impl FileOrder {
         let per_task = BATCH_POINTS / SAMPLE_RUN as usize;
         let early =
             ranges(sequence.len(), per_task).map(|(start, end)| Part::Samples { start, end, early: true }).collect();
-        FileOrder {
-            samples,
-            sequence,
-            phases: [vec![], early, bit_reversed(blocks).map(Part::Block).collect()],
-            ..Default::default()
-        }
+        FileOrder { samples, sequence, phases: [vec![], early, in_spread_order(blocks)], ..Default::default() }
     }
 
     /// The records of a LAS file of so many that a block spans, samples included.
@@ -276,6 +274,13 @@ fn groups(layout: &LazLayout) -> Vec<(u32, u32)> {
     groups
 }
 
+/// Blocks of a LAS file, spread evenly; the last one, which is not full, at the end (see [`Samples`]).
+fn in_spread_order(blocks: u32) -> Vec<Part> {
+    let last = blocks.saturating_sub(1);
+    let full = bit_reversed(blocks).filter(|&block| block != last);
+    full.chain((blocks > 0).then_some(last)).map(Part::Block).collect()
+}
+
 fn ranges(length: usize, per_range: usize) -> impl Iterator<Item = (u32, u32)> {
     (0..length).step_by(per_range).map(move |start| (start as u32, length.min(start + per_range) as u32))
 }
@@ -304,7 +309,15 @@ mod tests {
                 chunk
             })
             .collect();
-        LazLayout { compressor: 2, items: vec![], chunk_size: None, source: ChunkSource::Table, chunks, levels: vec![] }
+        LazLayout {
+            compressor: 2,
+            items: vec![],
+            chunk_size: None,
+            source: ChunkSource::Table,
+            chunks,
+            levels: vec![],
+            clamped: usize::MAX,
+        }
     }
 
     #[test]
@@ -364,7 +377,8 @@ mod tests {
     fn samples_are_few_and_everywhere() {
         for points in [600_000u64, 10_000_000, 4_000_000_000] {
             let samples = Samples::of(points).unwrap();
-            assert!(u64::from(samples.count) <= MAX_SAMPLES && 30 * samples.sampled() <= points, "{samples:?}");
+            assert!(u64::from(samples.count) <= MAX_SAMPLES && 25 * samples.sampled() <= points, "{samples:?}");
+            assert!(u64::from(samples.count) < BATCH_SAMPLES || samples.sampled().is_multiple_of(BLOCK));
             let last = samples.range(samples.count - 1);
             assert!(last.end <= points && points - last.end < 2 * samples.rest);
             // All blocks but the last fill a batch.

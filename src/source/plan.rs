@@ -83,7 +83,7 @@ pub fn make(paths: &[PathBuf], options: &OpenOptions, cancel: &AtomicBool) -> Re
         if cancel.load(Ordering::Relaxed) {
             break;
         }
-        match open_file(&path, options.fields, first_record) {
+        match open_file(&path, options.fields, first_record, cancel) {
             Ok(mut file) => {
                 first_record += file.points;
                 file.file = file.file.filter(|_| files.len() < MAX_OPEN);
@@ -97,7 +97,9 @@ pub fn make(paths: &[PathBuf], options: &OpenOptions, cancel: &AtomicBool) -> Re
         return Err(if errors.len() == 1 { errors.remove(0) } else { SourceError::AllFailed { errors } });
     }
     let grids: Vec<FileGrid> = files.iter().map(FilePlan::grid).collect();
-    let (grid, mut warnings) = grid::choose(&grids);
+    // An empty file's scale and box say nothing.
+    let used: Vec<FileGrid> = files.iter().zip(&grids).filter(|(f, _)| f.points > 0).map(|(_, g)| *g).collect();
+    let (grid, mut warnings) = grid::choose(if used.is_empty() { &grids } else { &used });
     for (file, own) in files.iter_mut().zip(&grids) {
         file.reader.placement = Placement::new(own, &grid);
     }
@@ -113,14 +115,16 @@ pub fn make(paths: &[PathBuf], options: &OpenOptions, cancel: &AtomicBool) -> Re
 
 /// Decides each file's order, and that of the whole scene.
 fn put_in_order(files: &mut [FilePlan], options: &OpenOptions) -> Vec<Task> {
-    let compressed = files.iter().filter(|f| matches!(f.layout, Layout::Laz(_))).count();
-    let kept = order::MAX_KEPT / compressed.max(1) as u32;
+    let keeping = files.iter().filter(|f| f.file.is_some() && matches!(f.layout, Layout::Laz(_))).count();
+    let kept = order::MAX_KEPT / keeping.max(1) as u32;
     let mut orders: Vec<FileOrder> = files
         .iter()
         .map(|file| match &file.layout {
             Layout::Las => FileOrder::of_records(options.order, file.points),
             Layout::Laz(layout) => {
-                FileOrder::of_chunks(options.order, layout, laz::keepable(layout, options.decoder), kept)
+                // A kept decoder holds its file: beyond MAX_OPEN there would be too many.
+                let keepable = file.file.is_some() && laz::keepable(layout, options.decoder);
+                FileOrder::of_chunks(options.order, layout, keepable, kept)
             }
         })
         .collect();
@@ -131,11 +135,16 @@ fn put_in_order(files: &mut [FilePlan], options: &OpenOptions) -> Vec<Task> {
     tasks
 }
 
-fn open_file(path: &Path, fields: Option<Fields>, first_record: u64) -> Result<FilePlan, SourceError> {
+fn open_file(
+    path: &Path,
+    fields: Option<Fields>,
+    first_record: u64,
+    cancel: &AtomicBool,
+) -> Result<FilePlan, SourceError> {
     let (mut header, file) = Header::read(path)?;
     let mut warnings = std::mem::take(&mut header.warnings);
     let (layout, points) = if header.compressed {
-        let layout = LazLayout::read(&header, &file, &mut warnings)?;
+        let layout = LazLayout::read(&header, &file, &mut warnings, cancel)?;
         let points = layout.points();
         (Layout::Laz(layout), points)
     } else {
@@ -179,17 +188,21 @@ impl FilePlan {
             Layout::Las => READ_BYTES as u64 + self.header.record_length() as u64,
             Layout::Laz(layout) => {
                 let chunk = layout.chunks.iter().map(|c| c.bytes).filter(|&b| b <= laz::MAX_CHUNK_BYTES).max();
-                chunk.unwrap_or(0) + PIECE_BYTES as u64 + laz::decoder_bytes(&layout.items)
+                // Its buffers, and as many spare bytes.
+                2 * chunk.unwrap_or(0) + PIECE_BYTES as u64 + laz::decoder_bytes(&layout.items)
             }
         }
     }
 
-    /// Heap memory of its lists: chunks, and tasks.
+    /// Heap memory of its lists: chunks (twice, while the list grows), tasks, the header and its records.
     pub fn list_bytes(&self) -> u64 {
+        const HEADER: usize = 4_096;
+        const RECORD: usize = 256;
         let chunks = match &self.layout {
             Layout::Las => 0,
-            Layout::Laz(layout) => layout.chunks.len() * size_of::<Chunk>(),
+            Layout::Laz(layout) => layout.chunks.len() * (2 * size_of::<Chunk>() + 1),
         };
+        let chunks = chunks + HEADER + self.header.all_vlrs().count() * RECORD;
         let tasks = self.points.div_ceil(BATCH_POINTS as u64) as usize * 4 * size_of::<Task>();
         (chunks + tasks + self.order.sequence.len() * size_of::<u32>()) as u64
     }

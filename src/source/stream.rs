@@ -1,5 +1,6 @@
-//! The threads. Workers take tasks in the order of the plan; each task has a small channel of its own, and one thread empties these channels in the order of the tasks. So the
-//! order of the batches does not depend on timing, and memory is bounded by the channels: a worker
+//! The threads. Workers take tasks in the order of the plan; each task has a small channel of its own,
+//! and one thread empties these channels in the order of the tasks. So the order of the batches does not
+//! depend on timing, and memory is bounded by the channels: a worker
 //! that is ahead waits for its turn, the one whose turn it is never waits for another.
 
 use std::{

@@ -105,6 +105,7 @@ impl<'a> Worker<'a> {
             Ok(file) => self.part(&file, task.part, &mut output),
             Err(error) => {
                 output.fault(0, error);
+                self.give_up(task, plan);
                 None
             }
         });
@@ -117,6 +118,26 @@ impl<'a> Worker<'a> {
             self.times.preview_secs += self.times.busy_secs() - before;
         }
         left.map(|part| Task { file: task.file, part })
+    }
+
+    /// Says of a task's chunks that they could not be started.
+    fn give_up(&self, task: Task, plan: &FilePlan) {
+        let (Part::Starts { start, end }, Layout::Laz(layout)) = (task.part, &plan.layout) else { return };
+        for &chunk in &plan.order.sequence[start as usize..end as usize] {
+            let sent = sent_first(plan, layout, chunk as usize);
+            self.shared.kept.put((task.file, chunk), Started { sent, decoder: None });
+        }
+    }
+
+    /// Keeps no more memory of buffers than a chunk has bytes: a layer's buffer grows to the largest one
+    /// that it ever held.
+    fn trim_spare(&mut self, chunk: &Chunk) {
+        let mut left = chunk.bytes.max(PIECE_BYTES as u64) as usize;
+        self.spare.retain(|buffer| {
+            let fits = buffer.capacity() <= left;
+            left -= if fits { buffer.capacity() } else { 0 };
+            fits
+        });
     }
 
     fn file(&mut self, number: u32, plan: &FilePlan) -> Result<Arc<File>, String> {
@@ -253,6 +274,7 @@ impl<'a> Worker<'a> {
         self.load(decoder.as_mut(), Share::Start(START_SHARE), run.chunk).ok()?;
         let fault = self.decode(decoder.as_mut(), run, output);
         decoder.unload(&mut self.spare);
+        self.trim_spare(run.chunk);
         fault.is_none().then_some(decoder)
     }
 
@@ -268,7 +290,7 @@ impl<'a> Worker<'a> {
 
     /// Decodes what the preview has not shown of a chunk.
     fn rest_of_chunk(&mut self, file: &Arc<File>, layout: &LazLayout, number: u32, output: &mut Output<'_>) {
-        if output.stopped {
+        if output.stopped || self.shared.cancelled() {
             return;
         }
         let plan = output.plan;
@@ -308,6 +330,7 @@ impl<'a> Worker<'a> {
                         });
                     }
                     decoder.unload(&mut self.spare);
+                    self.trim_spare(chunk);
                     fault
                 }
             },

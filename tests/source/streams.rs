@@ -135,6 +135,63 @@ fn recycled_buffers_change_nothing() {
     assert_eq!(number, kept.batches.len());
 }
 
+/// Decoders started in the preview are waited for by whoever goes on with them: with one thread, or as
+/// many files as threads, nobody must wait for what comes after.
+#[test]
+fn many_chunks_are_started_and_finished_by_any_number_of_threads() {
+    let dir = tempfile::tempdir().unwrap();
+    let scans = [Scan::new(7, 70 * 8_192), Scan::new(1, 65 * 8_192)];
+    let paths = ["a.laz", "b.laz"].map(|name| dir.path().join(name));
+    for (scan, path) in scans.iter().zip(&paths) {
+        std::fs::write(path, scan.bytes(As::Laz(8_192))).unwrap();
+    }
+    let expected: Vec<_> = scans.iter().flat_map(Scan::positions).collect();
+    let mut first: Option<Vec<u32>> = None;
+    for threads in [1, 2, 3, 7] {
+        let read = read(&paths, threads).unwrap();
+        assert!(read.positions_in_order() == expected, "{threads} threads");
+        let order: Vec<u32> = read.batches.iter().flat_map(|b| b.records.iter().copied()).collect();
+        assert!(first.get_or_insert_with(|| order.clone()) == &order, "{threads} threads: another order");
+        // The preview: the first record of each chunk, then the first points.
+        assert!(order[..70].iter().zip(0..).all(|(&record, chunk)| record == chunk * 8_192));
+    }
+}
+
+#[test]
+fn chunks_with_more_points_than_the_header_counts_are_said_and_not_called_damaged() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("scan.laz");
+    for (format, how) in [(1, As::Laz(500)), (1, As::LazVarying(200)), (7, As::Laz(500)), (7, As::LazVarying(200))] {
+        for count in [0u32, 1_250, 2_999] {
+            let mut bytes = Scan::new(format, 3_000).bytes(how);
+            bytes[107..111].copy_from_slice(&if format < 6 { count } else { 0 }.to_le_bytes());
+            if format >= 6 {
+                bytes[247..255].copy_from_slice(&u64::from(count).to_le_bytes());
+            }
+            std::fs::write(&path, bytes).unwrap();
+            let read = read(std::slice::from_ref(&path), 2).unwrap();
+            let file = &read.report.files[0];
+            assert_eq!((read.points(), read.error()), (count as usize, ""), "format {format} {how:?}");
+            // That a last chunk of fixed size holds one point more, nothing tells.
+            let told = file.warnings.iter().any(|w| w.contains("the rest is not read"));
+            assert!(told || (count == 2_999 && how == As::Laz(500)), "{how:?} {count}: {:?}", file.warnings);
+            assert!(!file.warnings.iter().any(|w| w.contains("damaged")), "{:?}", file.warnings);
+        }
+    }
+}
+
+#[test]
+fn an_empty_file_has_no_say_in_the_grid() {
+    let dir = tempfile::tempdir().unwrap();
+    let paths = ["a.las", "b.las"].map(|name| dir.path().join(name));
+    let scan = Scan { scale: 0.001, offset: 5_000_000.0, ..Scan::new(7, 100) };
+    std::fs::write(&paths[0], scan.bytes(As::Las)).unwrap();
+    std::fs::write(&paths[1], Scan { scale: 1e-7, ..Scan::new(7, 0) }.bytes(As::Las)).unwrap();
+    let read = read(&paths, 1).unwrap();
+    assert_eq!(read.facts.grid.scale, [0.001; 3]);
+    assert!(read.positions_in_order() == scan.positions());
+}
+
 #[test]
 fn a_preview_that_a_slow_disk_puts_off_loses_nothing() {
     let dir = tempfile::tempdir().unwrap();

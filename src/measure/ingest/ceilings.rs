@@ -8,6 +8,7 @@ use std::{
     io::{self, Read, Seek, SeekFrom},
     ops::Range,
     path::Path,
+    sync::atomic::AtomicBool,
     sync::{
         Barrier,
         atomic::{AtomicU64, Ordering},
@@ -48,7 +49,7 @@ impl PointData {
         let start = header.data_at().min(header.file_length);
         let end = if header.compressed {
             // The reader says what is wrong with the table; here only the extent counts.
-            let layout = LazLayout::read(&header, &file, &mut Vec::new())?;
+            let layout = LazLayout::read(&header, &file, &mut Vec::new(), &AtomicBool::new(false))?;
             layout.chunks.iter().map(|chunk| chunk.at.saturating_add(chunk.bytes)).max().unwrap_or(start)
         } else {
             start.saturating_add(header.points.saturating_mul(header.record_length() as u64))

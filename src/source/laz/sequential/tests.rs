@@ -4,6 +4,7 @@
 use std::{
     io::{Cursor, Write},
     path::Path,
+    sync::atomic::AtomicBool,
 };
 
 use laz::{
@@ -394,7 +395,9 @@ fn real_files_are_decoded_as_laz_decodes_them() {
                 continue;
             }
             let Ok((header, file)) = Header::read(&path) else { continue };
-            let Ok(layout) = LazLayout::read(&header, &file, &mut Vec::new()) else { continue };
+            let Ok(layout) = LazLayout::read(&header, &file, &mut Vec::new(), &AtomicBool::new(false)) else {
+                continue;
+            };
             if layout.is_layered() || layout.ends_unknown() {
                 continue;
             }
