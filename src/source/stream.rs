@@ -117,21 +117,32 @@ impl Engine {
     /// Passes the tasks' batches on, task by task; `None` if nobody wants them.
     fn in_order(&self, tasks: Receiver<(u32, Receiver<Piece>)>, files: usize) -> Option<Vec<(u64, Outcome)>> {
         let mut outcomes: Vec<(u64, Outcome)> = (0..files).map(|_| Default::default()).collect();
-        for (file, pieces) in tasks {
-            let (decoded, total) = &mut outcomes[file as usize];
-            for piece in pieces {
-                match piece {
-                    Piece::Batch(batch) => {
-                        *decoded += batch.len() as u64;
-                        if !self.send(Event::Batch(batch)) {
-                            return None;
-                        }
-                    }
-                    Piece::End(outcome) => total.merge(outcome),
-                }
+        for (file, pieces) in &tasks {
+            if !self.pass_on(pieces, &mut outcomes[file as usize]) {
+                // What is announced must be taken until the last worker has gone: a channel keeps its
+                // messages when its receiver is dropped, and with them the other ends of channels that
+                // workers may be blocked on.
+                tasks.iter().for_each(drop);
+                return None;
             }
         }
         Some(outcomes)
+    }
+
+    /// Passes one task's batches on; false if nobody wants them.
+    fn pass_on(&self, pieces: Receiver<Piece>, (decoded, total): &mut (u64, Outcome)) -> bool {
+        for piece in pieces {
+            match piece {
+                Piece::Batch(batch) => {
+                    *decoded += batch.len() as u64;
+                    if !self.send(Event::Batch(batch)) {
+                        return false;
+                    }
+                }
+                Piece::End(outcome) => total.merge(outcome),
+            }
+        }
+        true
     }
 
     /// Sends an event; false if the stream was dropped.
