@@ -11,7 +11,7 @@ use serde::Serialize;
 use super::orders::threads;
 use crate::{
     measure::stats::quantile,
-    methods::{Drawn, NO_POINT},
+    methods::{Cloud, Drawn, NO_POINT},
     render::View,
 };
 
@@ -144,11 +144,11 @@ fn luma(&[r, g, b, _]: &[u8; 4]) -> u32 {
 }
 
 /// The picture of all points by the processor's threads: the nearest point of each pixel, the first of equals.
-/// Depth and number only; the colours are left black. Also how many points are in the frustum.
-pub fn brute_force(positions: &[[i32; 3]], view: &View) -> (Drawn, u64) {
+/// Also how many points are in the frustum.
+pub fn brute_force(cloud: &Cloud, view: &View) -> (Drawn, u64) {
     let size = [view.width, view.height];
     let pixels = size[0] as usize * size[1] as usize;
-    let run = positions.len().div_ceil(threads()).max(1);
+    let run = cloud.positions.len().div_ceil(threads()).max(1);
     let draw = |points: &[[i32; 3]], first: usize| {
         let mut words = vec![u64::MAX; pixels];
         let mut fragments = 0u64;
@@ -165,7 +165,7 @@ pub fn brute_force(positions: &[[i32; 3]], view: &View) -> (Drawn, u64) {
     };
     let drawn = thread::scope(|scope| {
         let draw = &draw;
-        let parts: Vec<_> = (positions.chunks(run).enumerate())
+        let parts: Vec<_> = (cloud.positions.chunks(run).enumerate())
             .map(|(chunk, points)| scope.spawn(move || draw(points, chunk * run)))
             .collect();
         let nearer = |(mut a, n): (Vec<u64>, u64), (b, m): (Vec<u64>, u64)| {
@@ -177,11 +177,13 @@ pub fn brute_force(positions: &[[i32; 3]], view: &View) -> (Drawn, u64) {
     });
     let (words, fragments) = drawn.unwrap_or_else(|| (vec![u64::MAX; pixels], 0));
     let depth = |&word: &u64| if word == u64::MAX { f32::INFINITY } else { f32::from_bits((word >> 32) as u32) };
+    let point = |&word: &u64| if word == u64::MAX { NO_POINT } else { word as u32 };
+    let color = |word: &u64| cloud.colors.get(point(word) as usize).map_or([0; 4], |color| color.to_le_bytes());
     let drawn = Drawn {
         size,
-        point: words.iter().map(|&word| if word == u64::MAX { NO_POINT } else { word as u32 }).collect(),
+        point: words.iter().map(point).collect(),
         depth: words.iter().map(depth).collect(),
-        rgba: vec![[0, 0, 0, 255]; pixels],
+        rgba: words.iter().map(color).collect(),
         give_ups: 0,
     };
     (drawn, fragments)

@@ -83,7 +83,7 @@ pub fn measure(
             let cloud = thin(&scan.cloud, *points);
             let camera = Viewpoint::Overview.camera(&scan.cloud.positions, &scan.grid, settings.size);
             let view = camera.view(&scan.grid, settings.size, 1)?;
-            let (picture, fragments) = super::brute_force(&cloud.positions, &view);
+            let (picture, fragments) = super::brute_force(&cloud, &view);
             let covered = picture.depth.iter().filter(|depth| depth.is_finite()).count();
             run(CurveKind::Points, &cloud, &view, fragments as f64 / covered as f64, settings, gpu, report)
         }
@@ -111,17 +111,20 @@ fn run(
     report: &mut RasterReport,
 ) -> Result<(), RasterError> {
     let mut runner = Runner::new(gpu, cloud, settings.encoding, settings.size)?;
-    let methods = supported(settings, gpu, &runner, report);
+    let methods = supported(settings, &runner, report);
     let mut samples = vec![Vec::new(); methods.len()];
+    let mut wall_clock = false;
     // The first run of each is not counted.
     for round in 0..=settings.repeat {
         for i in in_turn(methods.len(), round) {
             let times = runner.time(methods[i], view, settings.frames)?;
+            wall_clock |= times.iter().any(|time| time.undivided_secs.is_some());
             if round > 0 {
                 samples[i].extend(times.iter().map(|time| time.total_secs()));
             }
         }
     }
+    report.wall_clock = wall_clock;
     let of = |(method, samples_secs): (&&crate::methods::Method, Vec<f64>)| CurveRuns {
         curve,
         method: method.name,

@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::{accuracy::Accuracy, orders::Order};
 use crate::{
     measure::{machine::Machine, stats::Summary},
-    methods::Method,
+    methods::{FrameTime, Method},
     render::Camera,
 };
 
@@ -37,8 +37,8 @@ pub struct RasterReport {
     pub repeat: u32,
     /// Of the shuffles.
     pub seed: u64,
-    /// What the seconds of frames are: timestamps of the device, or the wall clock.
-    pub clock: String,
+    /// Frames were timed by the wall clock, not by the device's timestamps.
+    pub wall_clock: bool,
     pub methods: Vec<MethodEntry>,
     pub ceilings: Ceilings,
     pub blocks: Vec<Block>,
@@ -143,6 +143,16 @@ pub struct Row {
 }
 
 impl Row {
+    /// A row without samples yet.
+    pub fn new(method: &'static str, accuracy: Accuracy) -> Row {
+        Row { method, frame_secs: None, points_per_sec: None, bytes_per_sec: None, accuracy, samples: Vec::new() }
+    }
+
+    /// True if a frame was timed by the wall clock.
+    pub fn has_wall_clock(&self) -> bool {
+        self.samples.iter().any(|sample| sample.passes.undivided_secs.is_some())
+    }
+
     pub fn summarize(&mut self, points: u64, bytes_per_point: u64) {
         let secs: Vec<f64> = self.samples.iter().map(|sample| sample.frame_secs).collect();
         self.frame_secs = Summary::of(&secs);
@@ -162,8 +172,15 @@ pub struct Sample {
     /// From 1.
     pub round: u32,
     pub frame_secs: f64,
-    /// The frame's passes by name, where the device tells them apart.
-    pub passes: Vec<(String, f64)>,
+    /// Its passes; zero and empty where the device cannot tell them apart.
+    #[serde(flatten)]
+    pub passes: FrameTime,
+}
+
+impl Sample {
+    pub fn new(round: u32, time: &FrameTime) -> Sample {
+        Sample { round, frame_secs: time.total_secs(), passes: time.clone() }
+    }
 }
 
 /// Which curve a run belongs to.

@@ -14,7 +14,7 @@ use super::{
 };
 use crate::{
         measure::{machine::Machine, report_dir::ReportDirError},
-    methods::{Cloud, Encoding, Gpu, Method, Runner, by_name},
+    methods::{self, Cloud, Encoding, Gpu, Method, Runner, by_name},
     render::{Camera, View},
 };
 
@@ -83,22 +83,23 @@ pub fn bench_raster(
 ) -> Result<RasterReport, RasterError> {
     watcher.step(0, 1, "the points");
     let scan = settings.input.load()?;
-    let views = views(settings, &scan)?;
+    let shots = shots(settings, &scan)?;
     let mut report = empty(settings, gpu, &scan);
     let orders = if settings.parts.contains(&Part::Tables) { &settings.orders[..] } else { &[] };
     let curve_steps = curves::plan(settings, report.points, report.device.is_software);
-    let total = orders.len() * views.len() + curve_steps.len();
+    let total = orders.len() * shots.len() + curve_steps.len();
     let mut done = 0;
     for &order in orders {
         watcher.step(done, total, &format!("{} order", order.name()));
         let cloud = arrange(order, &scan.cloud, settings.seed);
         let mut runner = Runner::new(gpu, &cloud, settings.encoding, settings.size)?;
-        let methods = supported(settings, gpu, &runner, &mut report);
-        for (name, camera, view) in &views {
-            watcher.step(done, total, &format!("{} order, {name}", order.name()));
+        let methods = supported(settings, &runner, &mut report);
+        for shot in &shots {
+            watcher.step(done, total, &format!("{} order, {}", order.name(), shot.name));
             ceilings(gpu, &runner, &mut report)?;
-            let block = block(settings, &mut runner, &cloud, &methods, view, &mut report)?;
-            report.blocks.push(Block { order, view: name.clone(), camera: *camera, ..block });
+            let block = block(settings, &mut runner, &methods, &cloud, order, shot)?;
+            report.wall_clock = block.rows.iter().any(Row::has_wall_clock);
+            report.blocks.push(block);
             done += 1;
             keep(&mut report, watcher)?;
         }
@@ -122,13 +123,21 @@ fn keep(report: &mut RasterReport, watcher: &mut dyn Watcher) -> Result<(), Rast
     Ok(watcher.save(report)?)
 }
 
-/// Names, cameras, and the cameras' numbers.
-fn views(settings: &BenchRaster, scan: &Scan) -> Result<Vec<(String, Camera, View)>, RasterError> {
+/// A viewpoint's name, its camera, and the camera's numbers.
+struct Shot {
+    name: String,
+    camera: Camera,
+    view: View,
+}
+
+fn shots(settings: &BenchRaster, scan: &Scan) -> Result<Vec<Shot>, RasterError> {
     let camera_of = |view: &Viewpoint| view.camera(&scan.cloud.positions, &scan.grid, settings.size);
-    let named = settings.views.iter().map(|view| (view.name().to_owned(), camera_of(view)));
-    let own = settings.camera.map(|camera| ("camera".to_owned(), camera));
-    let view = |(name, camera): (String, Camera)| Ok((name, camera, camera.view(&scan.grid, settings.size, 1)?));
-    named.chain(own).map(view).collect()
+    let named = settings.views.iter().map(|view| (view.name(), camera_of(view)));
+    let own = settings.camera.map(|camera| ("camera", camera));
+    let shot = |(name, camera): (&str, Camera)| {
+        Ok(Shot { name: name.into(), camera, view: camera.view(&scan.grid, settings.size, 1)? })
+    };
+    named.chain(own).map(shot).collect()
 }
 
 fn empty(settings: &BenchRaster, gpu: &Gpu, scan: &Scan) -> RasterReport {
@@ -150,7 +159,7 @@ fn empty(settings: &BenchRaster, gpu: &Gpu, scan: &Scan) -> RasterReport {
         frames: settings.frames,
         repeat: settings.repeat,
         seed: settings.seed,
-        clock: String::new(),
+        wall_clock: false,
         methods: Vec::new(),
         ceilings: Ceilings::default(),
         blocks: Vec::new(),
@@ -166,78 +175,59 @@ fn arrange(order: Order, cloud: &Cloud, seed: u64) -> Cloud {
 }
 
 /// The methods that this device can run; what the others lack goes into the report.
-pub(super) fn supported(
-    settings: &BenchRaster,
-    gpu: &Gpu,
-    runner: &Runner,
-    report: &mut RasterReport,
-) -> Vec<&'static Method> {
-    let missing = |method: &Method| gpu.supports(method).err();
+pub(super) fn supported(settings: &BenchRaster, runner: &Runner, report: &mut RasterReport) -> Vec<&'static Method> {
+    let missing = |method: &Method| runner.supports(method).err();
     report.methods = settings.methods.iter().map(|method| MethodEntry::new(method, missing(method))).collect();
     report.bytes_per_point = runner.bytes_per_point();
     settings.methods.iter().copied().filter(|method| missing(method).is_none()).collect()
 }
 
 fn ceilings(gpu: &Gpu, runner: &Runner, report: &mut RasterReport) -> Result<(), RasterError> {
-    let found = runner.ceilings(&gpu.device, &gpu.queue)?;
+    let found = methods::ceilings(gpu, runner)?;
     report.ceilings.copy_samples.push(found.copy_bytes_per_sec);
     report.ceilings.read_samples.push(found.read_bytes_per_sec);
     Ok(())
 }
 
-/// All methods from one viewpoint. Order, name and camera are the caller's to fill in.
+/// All methods on a cloud in one order, from one viewpoint.
 fn block(
     settings: &BenchRaster,
     runner: &mut Runner,
-    cloud: &Cloud,
     methods: &[&'static Method],
-    view: &View,
-    report: &mut RasterReport,
+    cloud: &Cloud,
+    order: Order,
+    shot: &Shot,
 ) -> Result<Block, RasterError> {
-    let (processor, fragments) = brute_force(&cloud.positions, view);
-    // What a device without 64-bit atomics draws must be compared with something too.
-    let atomic_min = by_name("atomic-min").filter(|method| runner.supports(method).is_ok());
-    let right = match atomic_min {
+    let view = &shot.view;
+    let (processor, fragments) = brute_force(cloud, view);
+    // Where the device has no 64-bit atomics, the processor's picture is what all are compared with.
+    let right = match by_name("atomic-min").filter(|method| runner.supports(method).is_ok()) {
         Some(method) => runner.draw(method, view)?,
-        None => super::accuracy::with_colors(processor.clone(), &cloud.colors),
+        None => processor.clone(),
     };
-    let against_processor = Accuracy::of(&right, &processor, false);
+    let differs = Accuracy::of(&right, &processor, false);
     let mut rows = Vec::new();
     for method in methods {
         let drawn = runner.draw(method, view)?;
-        let accuracy = Accuracy::of(&drawn, &right, method.blends);
-        rows.push(Row {
-            method: method.name,
-            frame_secs: None,
-            points_per_sec: None,
-            bytes_per_sec: None,
-            accuracy,
-            samples: Vec::new(),
-        });
+        rows.push(Row::new(method.name, Accuracy::of(&drawn, &right, method.blends)));
         // Not counted.
         runner.time(method, view, 1)?;
     }
     for round in 1..=settings.repeat {
         for i in in_turn(methods.len(), round) {
             let times = runner.time(methods[i], view, settings.frames)?;
-            if let Some(time) = times.first() {
-                report.clock = super::curves::clock(time).into();
-            }
-            rows[i].samples.extend(times.iter().map(|time| Sample {
-                round,
-                frame_secs: time.total_secs(),
-                passes: super::curves::passes(time),
-            }));
+            rows[i].samples.extend(times.iter().map(|time| Sample::new(round, time)));
         }
     }
-    rows.iter_mut().for_each(|row| row.summarize(report.points, report.bytes_per_point));
+    let (points, bytes_per_point) = (runner.points(), runner.bytes_per_point());
+    rows.iter_mut().for_each(|row| row.summarize(points, bytes_per_point));
     Ok(Block {
-        order: Order::Original,
-        view: String::new(),
-        camera: Camera { eye: [0.0; 3], target: [0.0; 3], up: [0.0; 3], fov_y_deg: 0.0 },
+        order,
+        view: shot.name.clone(),
+        camera: shot.camera,
         fragments,
         covered_pixels: processor.depth.iter().filter(|depth| depth.is_finite()).count() as u64,
-        reference_differs: against_processor.wrong_pixels.unwrap_or(0),
+        reference_differs: differs.wrong_pixels.unwrap_or(0),
         rows,
     })
 }

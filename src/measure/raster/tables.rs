@@ -35,7 +35,11 @@ pub fn facts(report: &RasterReport) -> Vec<String> {
             "{}: {} points, {} encoding ({} bytes each), {width}x{height} pixels, points of one pixel",
             report.input, report.points, report.encoding, report.bytes_per_point
         ),
-        format!("seconds: {}", report.clock),
+        if report.wall_clock {
+            "timed by the wall clock around submitted frames: the device has no timestamps that tell enough".into()
+        } else {
+            "timed by the device's timestamps around each pass".into()
+        },
     ];
     let ceilings = &report.ceilings;
     lines.push(format!(
