@@ -1,0 +1,63 @@
+//! Pipelines, made when a method first needs them.
+
+use std::collections::HashMap;
+
+use super::{
+    cloud::Encoding,
+    modules::{self, Kernel},
+};
+use crate::gpu::kernel;
+
+/// Turns of the busy loop before a point gives up.
+pub const SPINS: u32 = 4096;
+
+/// All pipelines of one encoding.
+pub struct Pipelines {
+    encoding: Encoding,
+    made: HashMap<&'static str, wgpu::ComputePipeline>,
+    spins: u32,
+}
+
+impl Pipelines {
+    pub fn new(encoding: Encoding) -> Pipelines {
+        Pipelines { encoding, made: HashMap::new(), spins: SPINS }
+    }
+
+    pub fn module(&self, device: &wgpu::Device, kernel: &Kernel) -> wgpu::ShaderModule {
+        device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(kernel.name),
+            source: wgpu::ShaderSource::Wgsl(kernel.source(self.encoding).into()),
+        })
+    }
+
+    /// Makes a kernel's pipeline if it is not there yet.
+    pub fn make(&mut self, device: &wgpu::Device, kernel: &'static Kernel, groups: &[&wgpu::BindGroupLayout]) {
+        if self.made.contains_key(kernel.name) {
+            return;
+        }
+        let spins = [("spins", f64::from(self.spins))];
+        let is_busy = [modules::BUSY_LOOP.name, modules::BUSY_LOOP_N.name].contains(&kernel.name);
+        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(kernel.name),
+            layout: Some(&kernel::pipeline_layout(device, kernel.name, groups)),
+            module: &self.module(device, kernel),
+            entry_point: Some(kernel.entry),
+            compilation_options: wgpu::PipelineCompilationOptions {
+                constants: if is_busy { &spins } else { &[] },
+                ..Default::default()
+            },
+            cache: None,
+        });
+        self.made.insert(kernel.name, pipeline);
+    }
+
+    pub fn get(&self, kernel: &Kernel) -> Option<&wgpu::ComputePipeline> {
+        self.made.get(kernel.name)
+    }
+
+    pub fn set_spins(&mut self, spins: u32) {
+        self.spins = spins;
+        self.made.remove(modules::BUSY_LOOP.name);
+        self.made.remove(modules::BUSY_LOOP_N.name);
+    }
+}
