@@ -63,7 +63,13 @@ pub struct BenchArgs {
     #[arg(long, value_name = "METHOD,…", value_delimiter = ',', value_parser = parse_method)]
     methods: Vec<&'static Method>,
     /// Orders in which the points lie in memory
-    #[arg(long, value_enum, value_name = "ORDER,…", value_delimiter = ',', default_value = "original,morton,shuffled,shuffled-morton")]
+    #[arg(
+        long,
+        value_enum,
+        value_name = "ORDER,…",
+        value_delimiter = ',',
+        default_value = "original,morton,shuffled,shuffled-morton"
+    )]
     orders: Vec<Order>,
     /// Viewpoints; by default all, or none with --camera
     #[arg(long, value_enum, value_name = "VIEW,…", value_delimiter = ',')]
@@ -137,11 +143,8 @@ pub fn run(args: BenchArgs) -> Result<ExitStatus, CliError> {
         }
         (None, false) => Input::Files(args.inputs),
     };
-    let views = if args.views.is_empty() && camera.is_none() {
-        Viewpoint::value_variants().to_vec()
-    } else {
-        once(args.views)
-    };
+    let views =
+        if args.views.is_empty() && camera.is_none() { Viewpoint::value_variants().to_vec() } else { once(args.views) };
     let mut methods: Vec<&'static Method> = METHODS.iter().collect();
     if !args.methods.is_empty() {
         // In the order of the table.

@@ -304,7 +304,8 @@ mod tests {
         let mut drawn = picture();
         drawn.rgba.iter_mut().enumerate().for_each(|(i, p)| p[0] = p[0].wrapping_add((i * i % 37) as u8));
         for shown in [vec![true; 384], right.point.iter().map(|&p| p != NO_POINT).collect()] {
-            let (fast, slow) = (ssim(&drawn.rgba, &right.rgba, SIZE, &shown), slow_ssim(&drawn.rgba, &right.rgba, &shown));
+            let (fast, slow) =
+                (ssim(&drawn.rgba, &right.rgba, SIZE, &shown), slow_ssim(&drawn.rgba, &right.rgba, &shown));
             assert!((fast.unwrap() - slow).abs() < 1e-9, "{fast:?} {slow}");
             assert!(slow < 0.99);
         }

@@ -49,7 +49,12 @@ pub fn write_csv(out: &mut dyn Write, report: &RasterReport) -> io::Result<()> {
             let (points, fragments) = (runs.points as f64, runs.fragments_per_pixel);
             let rate = number(Some(points / secs));
             let bytes = number(Some(points * report.bytes_per_point as f64 / secs));
-            writeln!(out, "{run},,,{},{round},{points},{},{secs},{rate},{bytes},,,,,,,", runs.method, number(Some(fragments)))?;
+            writeln!(
+                out,
+                "{run},,,{},{round},{points},{},{secs},{rate},{bytes},,,,,,,",
+                runs.method,
+                number(Some(fragments))
+            )?;
         }
     }
     for (run, samples) in [("copy", &report.ceilings.copy_samples), ("read", &report.ceilings.read_samples)] {

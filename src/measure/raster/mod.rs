@@ -52,9 +52,7 @@ pub use input::{Input, Scan};
 pub use orders::{MORTON_BATCH, MORTON_BITS, Order, extent, gather};
 pub use page::page;
 pub use reference::{CITATION, PUBLISHED, Published};
-pub use report::{
-    Block, Ceilings, Check, CurveKind, CurveRuns, Device, MethodEntry, RasterReport, Row, Sample, TITLE,
-};
+pub use report::{Block, Ceilings, Check, CurveKind, CurveRuns, Device, MethodEntry, RasterReport, Row, Sample, TITLE};
 pub use run::{BenchRaster, Part, Watcher, bench_raster};
 pub use stacks::Stack;
 pub use tables::markdown;

@@ -104,9 +104,10 @@ pub fn extent(positions: &[[i32; 3]]) -> Option<([i32; 3], [i32; 3])> {
     thread::scope(|scope| {
         let parts: Vec<_> = positions.chunks(run).map(|points| scope.spawn(move || of(points))).collect();
         // A fold cannot panic.
-        parts.into_iter().filter_map(|part| part.join().ok()).reduce(|a, b| {
-            (std::array::from_fn(|i| a.0[i].min(b.0[i])), std::array::from_fn(|i| a.1[i].max(b.1[i])))
-        })
+        parts
+            .into_iter()
+            .filter_map(|part| part.join().ok())
+            .reduce(|a, b| (std::array::from_fn(|i| a.0[i].min(b.0[i])), std::array::from_fn(|i| a.1[i].max(b.1[i]))))
     })
 }
 
@@ -278,7 +279,8 @@ mod tests {
 
     #[test]
     fn any_number_of_threads_sorts_alike() {
-        let keys: Vec<Key> = cloud(200_000, 700).iter().zip(0..).map(|(p, i)| (p[0].unsigned_abs().into(), i)).collect();
+        let keys: Vec<Key> =
+            cloud(200_000, 700).iter().zip(0..).map(|(p, i)| (p[0].unsigned_abs().into(), i)).collect();
         let mut expected = keys.clone();
         expected.sort_unstable();
         for threads in [1, 2, 3, 7, 16] {

@@ -29,7 +29,9 @@ pub fn page(report: &RasterReport) -> String {
     tables::tables(report).iter().for_each(|table| body.push_str(&table.html()));
     body.push_str(&methods(report));
     let citation = html::escape(CITATION);
-    body.push_str(&format!("<h2>What others measured</h2>\n<p>Other devices, scenes and programs, for orientation: {citation}.</p>\n"));
+    body.push_str(&format!(
+        "<h2>What others measured</h2>\n<p>Other devices, scenes and programs, for orientation: {citation}.</p>\n"
+    ));
     tables::published().iter().for_each(|table| body.push_str(&table.html()));
     html::page("firstlight bench", &body)
 }

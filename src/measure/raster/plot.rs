@@ -121,18 +121,36 @@ impl Plot {
         );
         for &tick in &x.ticks {
             if let Some(at) = x.at(tick) {
-                let _ = write!(out, "<path d=\"M{at:.1} {top}V{bottom}\" stroke=\"currentColor\" stroke-opacity=\".15\"/>");
-                let _ = writeln!(out, "<text x=\"{at:.1}\" y=\"{}\" text-anchor=\"middle\">{}</text>", bottom + 16.0, short(tick));
+                let _ =
+                    write!(out, "<path d=\"M{at:.1} {top}V{bottom}\" stroke=\"currentColor\" stroke-opacity=\".15\"/>");
+                let _ = writeln!(
+                    out,
+                    "<text x=\"{at:.1}\" y=\"{}\" text-anchor=\"middle\">{}</text>",
+                    bottom + 16.0,
+                    short(tick)
+                );
             }
         }
         for &tick in &y.ticks {
             if let Some(at) = y.at(tick) {
-                let _ = write!(out, "<path d=\"M{left} {at:.1}H{right}\" stroke=\"currentColor\" stroke-opacity=\".15\"/>");
-                let _ = writeln!(out, "<text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>", left - 6.0, at + 4.0, short(tick));
+                let _ =
+                    write!(out, "<path d=\"M{left} {at:.1}H{right}\" stroke=\"currentColor\" stroke-opacity=\".15\"/>");
+                let _ = writeln!(
+                    out,
+                    "<text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>",
+                    left - 6.0,
+                    at + 4.0,
+                    short(tick)
+                );
             }
         }
         let (middle, level) = (0.5 * (left + right), 0.5 * (top + bottom));
-        let _ = writeln!(out, "<text x=\"{middle}\" y=\"{}\" text-anchor=\"middle\">{}</text>", bottom + 38.0, escape(&self.x.name));
+        let _ = writeln!(
+            out,
+            "<text x=\"{middle}\" y=\"{}\" text-anchor=\"middle\">{}</text>",
+            bottom + 38.0,
+            escape(&self.x.name)
+        );
         let _ = writeln!(
             out,
             "<text transform=\"translate(14 {level}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
@@ -155,7 +173,11 @@ impl Plot {
             let (Some(&(end_x, end_y)), Some(height)) = (points.last(), heights[i]) else { continue };
             let color = COLORS[i % COLORS.len()];
             if points.len() > 1 {
-                let _ = writeln!(out, "<path d=\"{}\" fill=\"none\" stroke=\"{color}\" stroke-width=\"1.8\"/>", path(points));
+                let _ = writeln!(
+                    out,
+                    "<path d=\"{}\" fill=\"none\" stroke=\"{color}\" stroke-width=\"1.8\"/>",
+                    path(points)
+                );
             }
             for (x, y) in points {
                 let _ = write!(out, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3\" fill=\"{color}\"/>");
@@ -271,7 +293,11 @@ mod tests {
             title: "a < b".into(),
             x: axis("points", Scale::Log),
             y: axis("ms & more", Scale::Log),
-            curves: vec![curve("one", &[(1.0, 1.0), (10.0, 3.0)]), curve("dot", &[(3.0, 2.0)]), curve("none", &[(0.0, 1.0)])],
+            curves: vec![
+                curve("one", &[(1.0, 1.0), (10.0, 3.0)]),
+                curve("dot", &[(3.0, 2.0)]),
+                curve("none", &[(0.0, 1.0)]),
+            ],
             behind: vec![],
         };
         let figure = plot.figure();

@@ -20,18 +20,8 @@ pub struct Published {
 
 /// What the columns measured, by the names of this program's methods. "guenther" of the files is a busy loop,
 /// "HQS1x,protected" the HQS1R of the paper.
-pub const METHODS: [&str; 10] = [
-    "points",
-    "atomic-min",
-    "reduce",
-    "early-z",
-    "reduce-early-z",
-    "dedup",
-    "just-set",
-    "hqs",
-    "hqs1r",
-    "busy-loop",
-];
+pub const METHODS: [&str; 10] =
+    ["points", "atomic-min", "reduce", "early-z", "reduce-early-z", "dedup", "just-set", "hqs", "hqs1r", "busy-loop"];
 
 /// To be named wherever the figures are shown.
 pub const CITATION: &str = "M. Schütz, B. Kerbl, M. Wimmer 2021: Rendering Point Clouds with Compute Shaders and Vertex \

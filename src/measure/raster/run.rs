@@ -13,7 +13,7 @@ use super::{
     views::Viewpoint,
 };
 use crate::{
-        measure::{machine::Machine, report_dir::ReportDirError},
+    measure::{machine::Machine, report_dir::ReportDirError},
     methods::{self, Cloud, Encoding, Gpu, Method, Runner, by_name},
     render::{Camera, View},
 };
@@ -76,11 +76,7 @@ fn describe(gpu: &Gpu) -> Device {
 ///
 /// # Errors
 /// If nothing can be read, the device cannot hold or draw the cloud, or the report cannot be kept.
-pub fn bench_raster(
-    settings: &BenchRaster,
-    gpu: &Gpu,
-    watcher: &mut dyn Watcher,
-) -> Result<RasterReport, RasterError> {
+pub fn bench_raster(settings: &BenchRaster, gpu: &Gpu, watcher: &mut dyn Watcher) -> Result<RasterReport, RasterError> {
     watcher.step(0, 1, "the points");
     let scan = settings.input.load()?;
     let shots = shots(settings, &scan)?;
@@ -96,7 +92,7 @@ pub fn bench_raster(
         let methods = supported(settings, &runner, &mut report);
         for shot in &shots {
             watcher.step(done, total, &format!("{} order, {}", order.name(), shot.name));
-            ceilings(gpu, &runner, &mut report)?;
+            ceilings(&mut runner, &mut report)?;
             let block = block(settings, &mut runner, &methods, &cloud, order, shot)?;
             report.wall_clock = block.rows.iter().any(Row::has_wall_clock);
             report.blocks.push(block);
@@ -182,10 +178,11 @@ pub(super) fn supported(settings: &BenchRaster, runner: &Runner, report: &mut Ra
     settings.methods.iter().copied().filter(|method| missing(method).is_none()).collect()
 }
 
-fn ceilings(gpu: &Gpu, runner: &Runner, report: &mut RasterReport) -> Result<(), RasterError> {
-    let found = methods::ceilings(gpu, runner)?;
-    report.ceilings.copy_samples.push(found.copy_bytes_per_sec);
-    report.ceilings.read_samples.push(found.read_bytes_per_sec);
+fn ceilings(runner: &mut Runner, report: &mut RasterReport) -> Result<(), RasterError> {
+    // The first is not counted.
+    let found = methods::ceilings(runner, 3)?;
+    report.ceilings.copy_samples.extend(found.copy.iter().skip(1));
+    report.ceilings.read_samples.extend(found.read.iter().skip(1));
     Ok(())
 }
 

@@ -132,7 +132,8 @@ fn block_table(report: &RasterReport, block: &Block) -> Table {
         "95 %",
         "give-ups",
     ];
-    let overdraw = if block.covered_pixels > 0 { format!(", {:.1} per pixel", block.overdraw()) } else { String::new() };
+    let overdraw =
+        if block.covered_pixels > 0 { format!(", {:.1} per pixel", block.overdraw()) } else { String::new() };
     let title = format!(
         "{} order, {}: {} points in the frustum, {} pixels covered{overdraw}",
         block.order.name(),
@@ -148,7 +149,8 @@ fn block_table(report: &RasterReport, block: &Block) -> Table {
 fn cells(report: &RasterReport, row: &Row, scale: f64) -> Vec<String> {
     let percent = |share: Option<f64>, digits| share.map_or("–".into(), |share| number(100.0 * share, digits));
     let a = &row.accuracy;
-    let small = |value: Option<f64>| value.map_or("–".into(), |v| if v == 0.0 { "0".into() } else { format!("{v:.1e}") });
+    let small =
+        |value: Option<f64>| value.map_or("–".into(), |v| if v == 0.0 { "0".into() } else { format!("{v:.1e}") });
     vec![
         label(report, row.method),
         spread(row.frame_secs, 1e3, 3),
