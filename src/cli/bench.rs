@@ -27,7 +27,8 @@ pub const HELP: &str = "\
 A block is one order seen from one viewpoint. In a block all methods run in turn, round after round, every second
 round backwards; a first run of each is not counted. Every picture is compared with that of atomic-min, and that
 one with the processor's. Between the blocks two ceilings are measured: a kernel that only reads the
-positions, and a copy from buffer to buffer.
+positions, and a copy from buffer to buffer. Methods of a block are compared side by side; blocks follow one
+another, so on a busy machine differences between orders or viewpoints may be the machine's.
 
 REPORT_DIR gets bench.json (every sample), bench.csv (a line per frame) and index.html (tables and charts); the
 tables are printed as Markdown too. The report is written after every block, so that Ctrl-C keeps what is done.

@@ -38,7 +38,8 @@ pub fn page(report: &RasterReport) -> String {
 
 const SPEED_ABOUT: &str = "One dot per method. Accuracy is the structural similarity (SSIM) of the colours with the \
 picture of <i>atomic-min</i>, over the pixels that either covers; methods that average points (<i>hqs</i> …) differ \
-from it as they should. Dashed: the methods that no other beats in both.";
+from it as they should. Dashed: the methods that no other beats in both. <i>just-set</i> and <i>racy</i> are wrong on \
+purpose.";
 const POINTS_ABOUT: &str = "The scan thinned evenly, in its own order, seen in the overview.";
 const FRAGMENTS_ABOUT: &str = "Points in random order on planes stacked before the camera (after Günther et al. 2013, \
 Figure 3). First ever more planes, each with a point for every pixel; then as many points as the picture has pixels, their \
@@ -46,6 +47,11 @@ base shrunk until all of them lie in one pixel.";
 
 fn axis(name: &str, scale: Scale) -> Axis {
     Axis { name: name.into(), scale }
+}
+
+/// A name that is short enough to stand beside a plot.
+fn mark(report: &RasterReport, name: &str) -> String {
+    tables::label(report, name).replace(" on purpose", "")
 }
 
 /// `None` where nothing is covered: there is nothing to be accurate about.
@@ -56,7 +62,7 @@ fn speed_plot(report: &RasterReport, block: &Block) -> Option<Plot> {
     if dots.is_empty() {
         return None;
     }
-    let curve = |(row, dot): &(&Row, (f64, f64))| Curve { name: tables::label(report, row.method), points: vec![*dot] };
+    let curve = |(row, dot): &(&Row, (f64, f64))| Curve { name: mark(report, row.method), points: vec![*dot] };
     Some(Plot {
         title: format!("{} order, {}", block.order.name(), block.view),
         x: axis("accuracy: SSIM of colour", Scale::Linear),
@@ -75,7 +81,7 @@ fn curve(report: &RasterReport, kind: CurveKind) -> Option<Plot> {
             let x = if kind == CurveKind::Points { runs.points as f64 } else { runs.fragments_per_pixel };
             Some((x, runs.frame_secs?.median * 1e3))
         };
-        Curve { name: tables::label(report, name), points: of_method.filter_map(place).collect() }
+        Curve { name: mark(report, name), points: of_method.filter_map(place).collect() }
     };
     let (title, x) = match kind {
         CurveKind::Points => ("Frame time against points", "points"),
