@@ -142,7 +142,8 @@ pub fn is_possible(method: &Method, cloud: &Cloud, view: &View, drawn: &Drawn) -
         missed += 1;
         let is_unordered = matches!(method.plan.rule, Rule::Any | Rule::AnyTorn);
         if !is_unordered && missed > drawn.give_ups {
-            return wrong(&format!("shows {found} at {depth}, expected {}", expected.point[index]));
+            let (point, at, color) = (expected.point[index], expected.depth[index], expected.rgba[index]);
+            return wrong(&format!("shows {found} at {depth} in {rgba:?}, expected {point} at {at} in {color:?}"));
         }
         let Some(shown) = pixel.iter().find(|f| f.point == found) else {
             if found == NO_POINT && !is_unordered {
