@@ -3,7 +3,7 @@
 @group(0) @binding(4) var<storage, read_write> counters: array<atomic<u32>>;
 
 @compute @workgroup_size(256)
-fn read(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+fn read_positions(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let local = line_index(group, groups, thread);
     if local < page.len {
         let word = bitcast<vec3<u32>>(load_position(local)) * vec3<u32>(0x9e3779b9u, 0x85ebca6bu, 0xc2b2ae35u);

@@ -113,7 +113,7 @@ kernel!(
 // The baseline, and a ceiling.
 kernel!(POINTS, "place", NOTHING, "methods/points");
 kernel!(COLLECT, "collect", NOTHING, "methods/targets", "methods/collect");
-kernel!(READ, "read", NOTHING, "methods/read");
+kernel!(READ, "read_positions", NOTHING, "methods/read");
 
 /// All kernels, for the tests.
 pub static ALL: [&Kernel; 31] = [

@@ -127,10 +127,7 @@ impl Runner {
             self.targets.textures = Some(textures);
         }
         let mut kernels: Vec<&'static Kernel> = vec![&modules::CLEAR_WORDS, &modules::CLEAR_SUMS];
-        kernels.extend(plan.geometry.iter().filter_map(|step| match *step {
-            Step::Points(kernel) => Some(kernel),
-            Step::Draw => None,
-        }));
+        kernels.extend(method.kernels());
         kernels.push(match plan.resolve {
             Resolve::OfTargets(kernel) => kernel,
             Resolve::OfPoints | Resolve::OfTextures => &modules::POINT_COLOR,
