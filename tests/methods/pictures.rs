@@ -19,7 +19,7 @@ pub fn differing(a: &Drawn, b: &Drawn) -> usize {
 /// Pixels that may be wrong: none on a processor. Elsewhere float rounding may decide a pixel, where a
 /// device fuses multiplication and addition.
 fn allowed(gpu: &Gpu, pixels: usize) -> usize {
-    if gpu.info.device_type == wgpu::DeviceType::Cpu { 0 } else { pixels / 1000 + 1 }
+    if gpu.is_software() { 0 } else { pixels / 1000 + 1 }
 }
 
 pub fn check(gpu: &Gpu, runner: &mut Runner, method: &Method, cloud: &Cloud, view: &View, case: &str) -> Drawn {
