@@ -28,23 +28,28 @@ fn multiply(a: u64, b: u64) -> Int128 {
     return Int128((a >> 32u) * (b >> 32u) + (cross >> 32u) + (other >> 32u), (other << 32u) | (low & mask));
 }
 
-// Two's complement.
+// Two's complement: a number below zero counts as 2^64 more than it is, which is taken off again.
 fn multiply_signed(a: i64, b: i64) -> Int128 {
-    let product = multiply(bitcast<u64>(abs(a)), bitcast<u64>(abs(b)));
-    if (a < 0li) == (b < 0li) {
-        return product;
-    }
-    return add(Int128(~product.high, ~product.low), Int128(0lu, 1lu));
+    let product = multiply(bitcast<u64>(a), bitcast<u64>(b));
+    let too_much = select(0lu, bitcast<u64>(b), a < 0li) + select(0lu, bitcast<u64>(a), b < 0li);
+    return Int128(product.high - too_much, product.low);
+}
+
+fn along_axis(position: i32, eye_high: i32, eye_low: i32, fraction: f32, row_high: i32, row_low: u32) -> Int128 {
+    let eye = (i64(eye_high) << 16u) + i64(eye_low);
+    let steps = ((i64(position) - eye) << 12u) - i64(i32(fraction * 4096.0));
+    // naga 30 extends the sign in i64(u32) when it writes SPIR-V.
+    return multiply_signed((i64(row_high) << 32u) | bitcast<i64>(u64(row_low)), steps);
 }
 
 fn nanometres(position: vec3<i32>) -> u64 {
-    var sum = Int128(0lu, 0lu);
-    for (var a = 0u; a < 3u; a++) {
-        let eye = (i64(view.eye_high[a]) << 16u) + i64(view.eye_low[a]);
-        let steps = ((i64(position[a]) - eye) << 12u) - i64(i32(view.eye_fraction[a] * 4096.0));
-        let row = (i64(depth40.row_high[a]) << 32u) | i64(depth40.row_low[a]);
-        sum = add(sum, multiply_signed(row, steps));
-    }
+    let low = depth40.row_low;
+    let high = depth40.row_high;
+    let fraction = view.eye_fraction;
+    let x = along_axis(position.x, view.eye_high.x, view.eye_low.x, fraction.x, high.x, low.x);
+    let y = along_axis(position.y, view.eye_high.y, view.eye_low.y, fraction.y, high.y, low.y);
+    let z = along_axis(position.z, view.eye_high.z, view.eye_low.z, fraction.z, high.z, low.z);
+    let sum = add(add(x, y), z);
     // Behind the eye by less than the rounding of `project`.
     if bitcast<i64>(sum.high) < 0li {
         return 0lu;

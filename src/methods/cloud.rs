@@ -48,13 +48,10 @@ impl Packing {
     /// [`MethodError::TooWide`] if it takes more than 64 bits.
     pub fn of(positions: &[[i32; 3]]) -> Result<Packing, MethodError> {
         let Some(&first) = positions.first() else { return Ok(Packing { base: [0; 3], bits: [0; 3] }) };
-        let (mut low, mut high) = (first, first);
-        for position in positions {
-            for a in 0..3 {
-                low[a] = low[a].min(position[a]);
-                high[a] = high[a].max(position[a]);
-            }
-        }
+        let corner = |pick: fn(i32, i32) -> i32| {
+            positions.iter().fold(first, |corner, position| std::array::from_fn(|a| pick(corner[a], position[a])))
+        };
+        let (low, high) = (corner(i32::min), corner(i32::max));
         let bits: [u32; 3] = std::array::from_fn(|a| u32::BITS - high[a].abs_diff(low[a]).leading_zeros());
         if bits.iter().sum::<u32>() > u64::BITS {
             return Err(MethodError::TooWide { bits });

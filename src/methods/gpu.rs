@@ -50,9 +50,13 @@ impl Gpu {
         Err(format!("{} cannot run {}: it lacks {missing}", self.info.name, method.name))
     }
 
+    /// Whether the device is a processor.
+    pub fn is_software(&self) -> bool {
+        self.info.device_type == wgpu::DeviceType::Cpu
+    }
+
     /// Whether timestamps of passes exist and mean something, see `gpu::timing`.
     pub(super) fn has_clock(&self) -> bool {
-        self.info.device_type != wgpu::DeviceType::Cpu
-            && self.device.features().contains(wgpu::Features::TIMESTAMP_QUERY)
+        !self.is_software() && self.device.features().contains(wgpu::Features::TIMESTAMP_QUERY)
     }
 }

@@ -8,8 +8,12 @@ use super::{
 };
 use crate::gpu::kernel;
 
-/// Turns of the busy loop before a point gives up.
-pub const SPINS: u32 = 4096;
+/// Turns of the busy loop before a point gives up: enough for all threads of a pixel to have their turn,
+/// too few to keep a GPU from answering.
+const SPINS: u32 = 4096;
+/// The same on a processor, where a thread that holds a lock may be off its core for milliseconds: with
+/// 4,096 turns, a whole group of 256 gave up in one of some ten pictures on two busy cores.
+const SOFTWARE_SPINS: u32 = 1 << 20;
 
 /// All pipelines of one encoding.
 pub struct Pipelines {
@@ -19,8 +23,9 @@ pub struct Pipelines {
 }
 
 impl Pipelines {
-    pub fn new(encoding: Encoding) -> Pipelines {
-        Pipelines { encoding, made: HashMap::new(), spins: SPINS }
+    pub fn new(encoding: Encoding, is_software: bool) -> Pipelines {
+        let spins = if is_software { SOFTWARE_SPINS } else { SPINS };
+        Pipelines { encoding, made: HashMap::new(), spins }
     }
 
     pub fn module(&self, device: &wgpu::Device, kernel: &Kernel) -> wgpu::ShaderModule {

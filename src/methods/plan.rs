@@ -41,11 +41,11 @@ pub enum Step {
 #[derive(Debug)]
 pub enum Resolve {
     /// Colours of the points that the words name.
-    OfPoints,
-    /// As `OfPoints`, after the hardware's textures were turned into words.
-    OfTextures,
+    Points,
+    /// As `Points`, after the hardware's textures were turned into words.
+    Textures,
     /// An entry point of resolve.wgsl that looks at targets alone.
-    OfTargets(&'static Kernel),
+    Targets(&'static Kernel),
 }
 
 /// How a read-back finds the point and the depth of each pixel.
@@ -81,7 +81,7 @@ pub mod plans {
     };
 
     const fn words(rule: Rule, geometry: &'static [super::Step], identify: Identify) -> Plan {
-        Plan { rule, geometry, has_sums: false, resolve: Resolve::OfPoints, identify }
+        Plan { rule, geometry, has_sums: false, resolve: Resolve::Points, identify }
     }
 
     const fn depth40(is_ranged: bool, geometry: &'static [super::Step], identify: &'static modules::Kernel) -> Plan {
@@ -89,7 +89,7 @@ pub mod plans {
             rule: Rule::Depth40 { is_ranged },
             geometry,
             has_sums: false,
-            resolve: Resolve::OfTargets(&modules::WORD_COLOR),
+            resolve: Resolve::Targets(&modules::WORD_COLOR),
             identify: Identify::WordPoint(identify),
         }
     }
@@ -99,7 +99,7 @@ pub mod plans {
             rule: Rule::Average(sums),
             geometry,
             has_sums: true,
-            resolve: Resolve::OfTargets(resolve),
+            resolve: Resolve::Targets(resolve),
             identify: Identify::FrontPoint,
         }
     }
@@ -108,7 +108,7 @@ pub mod plans {
         rule: Rule::Nearest,
         geometry: &[Draw],
         has_sums: false,
-        resolve: Resolve::OfTextures,
+        resolve: Resolve::Textures,
         identify: Identify::Word,
     };
     pub static JUST_SET: Plan = words(Rule::Any, &[Points(&modules::JUST_SET)], Identify::Depth);

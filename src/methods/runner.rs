@@ -45,7 +45,7 @@ impl Runner {
         Ok(Runner {
             targets: Targets::new(&gpu.device, size)?,
             pages: Pages::new(&gpu.device, &gpu.queue, cloud, encoding, page_points)?,
-            pipelines: Pipelines::new(encoding),
+            pipelines: Pipelines::new(encoding, gpu.is_software()),
             gpu: gpu.clone(),
             encoding,
         })
@@ -61,7 +61,8 @@ impl Runner {
         self.encoding.bytes()
     }
 
-    /// Turns of the busy loop before a point gives up, 4,096 unless told.
+    /// Turns of the busy loop before a point gives up; 4,096 unless told, 2²⁰ on a software rasterizer, where
+    /// a thread that holds a lock may be off its core.
     pub fn set_spins(&mut self, spins: u32) {
         self.pipelines.set_spins(spins);
     }
@@ -122,25 +123,22 @@ impl Runner {
         self.supports(method).map_err(MethodError::Unsupported)?;
         self.targets.set_view(&self.gpu.queue, view)?;
         let plan = method.plan;
-        if matches!(plan.resolve, Resolve::OfTextures) && self.targets.textures.is_none() {
+        if matches!(plan.resolve, Resolve::Textures) && self.targets.textures.is_none() {
             let textures = Textures::new(&self.gpu.device, &self.targets, &self.pages, &self.pipelines);
             self.targets.textures = Some(textures);
         }
         let mut kernels: Vec<&'static Kernel> = vec![&modules::CLEAR_WORDS, &modules::CLEAR_SUMS];
-        kernels.extend(plan.geometry.iter().filter_map(|step| match *step {
-            Step::Points(kernel) => Some(kernel),
-            Step::Draw => None,
-        }));
+        kernels.extend(method.kernels());
         kernels.push(match plan.resolve {
-            Resolve::OfTargets(kernel) => kernel,
-            Resolve::OfPoints | Resolve::OfTextures => &modules::POINT_COLOR,
+            Resolve::Targets(kernel) => kernel,
+            Resolve::Points | Resolve::Textures => &modules::POINT_COLOR,
         });
         kernels.extend(identify_kernels(plan));
         let (targets, pages) = (&self.targets, &self.pages);
         for kernel in kernels {
             self.pipelines.make(&self.gpu.device, kernel, &[&targets.layout, &pages.layout]);
         }
-        if let (Resolve::OfTextures, Some(textures)) = (&plan.resolve, &targets.textures) {
+        if let (Resolve::Textures, Some(textures)) = (&plan.resolve, &targets.textures) {
             let groups = [&targets.layout, &pages.layout, &textures.layout];
             self.pipelines.make(&self.gpu.device, &modules::COLLECT, &groups);
         }
@@ -172,13 +170,13 @@ impl Runner {
         }
         let mut pass = self.pass(encoder, queries);
         match (&plan.resolve, &self.targets.textures) {
-            (Resolve::OfTargets(kernel), _) => self.over_pixels(&mut pass, kernel),
-            (Resolve::OfTextures, Some(textures)) => {
+            (Resolve::Targets(kernel), _) => self.over_pixels(&mut pass, kernel),
+            (Resolve::Textures, Some(textures)) => {
                 pass.set_bind_group(2, &textures.bind, &[]);
                 self.over_pixels(&mut pass, &modules::COLLECT);
                 self.per_page(&mut pass, &modules::POINT_COLOR);
             }
-            (Resolve::OfPoints | Resolve::OfTextures, _) => self.per_page(&mut pass, &modules::POINT_COLOR),
+            (Resolve::Points | Resolve::Textures, _) => self.per_page(&mut pass, &modules::POINT_COLOR),
         }
     }
 

@@ -2,7 +2,10 @@
 
 use std::fmt;
 
-use super::plan::{Plan, plans};
+use super::{
+    modules::Kernel,
+    plan::{Plan, Step, plans},
+};
 
 /// A way to rasterize points. A row of [`METHODS`].
 #[derive(Debug)]
@@ -19,6 +22,17 @@ pub struct Method {
     /// Averages fragments instead of showing one point in each pixel.
     pub blends: bool,
     pub(super) plan: &'static Plan,
+}
+
+impl Method {
+    /// The compute kernels of its geometry passes, in order; none for hardware draws.
+    pub fn kernels(&self) -> Vec<&'static Kernel> {
+        let of = |step: &Step| match *step {
+            Step::Points(kernel) => Some(kernel),
+            Step::Draw => None,
+        };
+        self.plan.geometry.iter().filter_map(of).collect()
+    }
 }
 
 /// What a method asks of a device; prints as a list in words.

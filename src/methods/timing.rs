@@ -130,7 +130,7 @@ pub fn time(
         return Ok(times);
     }
     device::wait(&gpu.device)?;
-    if gpu.info.device_type == wgpu::DeviceType::Cpu {
+    if gpu.is_software() {
         for _ in 0..frames {
             let start = Instant::now();
             submit(None);

@@ -16,7 +16,6 @@ struct Fragment {
 
 /// All fragments of a picture, pixel by pixel, in the cloud's order.
 struct Fragments {
-    size: [u32; 2],
     of_pixel: Vec<Vec<Fragment>>,
 }
 
@@ -31,7 +30,7 @@ impl Fragments {
             let fragment = Fragment { point, depth: projected.depth, color: [red, green, blue] };
             of_pixel[y as usize * size[0] as usize + x as usize].push(fragment);
         }
-        Fragments { size, of_pixel }
+        Fragments { of_pixel }
     }
 }
 
@@ -127,36 +126,47 @@ fn average(sums: Sums, front: f32, fragments: &[Fragment]) -> [u8; 4] {
 /// # Errors
 /// The first pixel that no order of threads explains.
 pub fn is_possible(method: &Method, cloud: &Cloud, view: &View, drawn: &Drawn) -> Result<(), String> {
+    impossible(method, cloud, view, drawn).into_iter().next().map_or(Ok(()), Err)
+}
+
+/// All pixels that no order of threads explains, a sentence each; see [`is_possible`].
+pub fn impossible(method: &Method, cloud: &Cloud, view: &View, drawn: &Drawn) -> Vec<String> {
     let fragments = Fragments::of(cloud, view, drawn.size);
     let expected = draw(method, cloud, view, drawn.size);
-    let mut missed = 0;
+    let is_unordered = matches!(method.plan.rule, Rule::Any | Rule::AnyTorn);
+    let mut excuses = drawn.give_ups;
+    let mut wrong = Vec::new();
     for (index, pixel) in fragments.of_pixel.iter().enumerate() {
-        let (found, depth, rgba) = (drawn.point[index], drawn.depth[index], drawn.rgba[index]);
-        let wrong = |what: &str| {
-            let [x, y] = [index % fragments.size[0] as usize, index / fragments.size[0] as usize];
-            Err(format!("{}: pixel {x}, {y} of {} fragments: {what}", method.name, pixel.len()))
-        };
-        if (found, depth, rgba) == (expected.point[index], expected.depth[index], expected.rgba[index]) {
+        let [x, y] = [index % drawn.size[0] as usize, index / drawn.size[0] as usize];
+        let found = (drawn.point[index], drawn.depth[index], drawn.rgba[index]);
+        let right = (expected.point[index], expected.depth[index], expected.rgba[index]);
+        if found == right {
             continue;
         }
-        missed += 1;
-        let is_unordered = matches!(method.plan.rule, Rule::Any | Rule::AnyTorn);
-        if !is_unordered && missed > drawn.give_ups {
-            return wrong(&format!("shows {found} at {depth}, expected {}", expected.point[index]));
-        }
-        let Some(shown) = pixel.iter().find(|f| f.point == found) else {
-            if found == NO_POINT && !is_unordered {
-                continue;
-            }
-            return wrong(&format!("shows {found}, which is not there"));
-        };
-        let is_its_depth = |f: &Fragment| f.depth.to_bits() == depth.to_bits();
-        if !is_its_depth(shown) && !(method.plan.rule == Rule::AnyTorn && pixel.iter().any(is_its_depth)) {
-            return wrong(&format!("shows {found} at {depth}, which is at {}", shown.depth));
-        }
-        if rgba != opaque(shown.color) {
-            return wrong(&format!("shows {found} in {rgba:?}, which is {:?}", shown.color));
+        let may_differ = is_unordered || excuses > 0;
+        excuses = excuses.saturating_sub(1);
+        if let Some(why) =
+            (!may_differ).then(|| format!("expected {right:?}")).or_else(|| unexplained(method, pixel, found))
+        {
+            wrong.push(format!("{}: pixel {x}, {y} of {} fragments shows {found:?}: {why}", method.name, pixel.len()));
         }
     }
-    Ok(())
+    wrong
+}
+
+/// Why no order of threads shows this in a pixel of these fragments.
+fn unexplained(method: &Method, pixel: &[Fragment], (point, depth, rgba): (u32, f32, [u8; 4])) -> Option<String> {
+    if point == NO_POINT && method.plan.has_sums {
+        // All points of the pixel gave up.
+        return None;
+    }
+    let Some(shown) = pixel.iter().find(|f| f.point == point) else {
+        return Some("the point is not there".into());
+    };
+    let is_its_depth = |f: &Fragment| f.depth.to_bits() == depth.to_bits();
+    let is_torn = method.plan.rule == Rule::AnyTorn && pixel.iter().any(is_its_depth);
+    if !is_its_depth(shown) && !is_torn {
+        return Some(format!("the point is at {}", shown.depth));
+    }
+    (rgba != opaque(shown.color)).then(|| format!("the point is {:?}", shown.color))
 }

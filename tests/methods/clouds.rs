@@ -76,7 +76,7 @@ pub fn inside(size: [u32; 2]) -> View {
 pub fn along_y(size: [u32; 2], distance: f64) -> View {
     let camera = Camera {
         eye: [0.000_3, -distance, 0.000_3],
-        target: [0.000_3, 0.0, 0.000_3],
+        target: [0.000_3, 1000.0, 0.000_3],
         up: [0.0, 0.0, 1.0],
         fov_y_deg: 60.0,
     };

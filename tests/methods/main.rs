@@ -7,4 +7,7 @@
 )]
 
 mod clouds;
+mod failures;
 mod pictures;
+mod shaders;
+mod times;

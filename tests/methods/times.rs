@@ -1,0 +1,57 @@
+//! Times and ceilings are there, and of the size that they must have.
+
+use firstlight::methods::{Encoding, Runner, by_name, ceilings};
+
+use crate::{
+    clouds,
+    pictures::{ENCODINGS, methods},
+};
+
+#[test]
+fn every_method_is_timed() {
+    let Some(gpu) = clouds::gpu() else { return };
+    let size = [64, 48];
+    let mut runner = Runner::new(&gpu, &clouds::cube(2000), Encoding::Wide, size).unwrap();
+    for method in methods(&gpu) {
+        let times = runner.time(method, &clouds::overview(size), 3).unwrap();
+        assert_eq!(times.len(), 3, "{}", method.name);
+        for time in times {
+            assert!(time.total_secs() > 0.0 && time.total_secs() < 10.0, "{}: {time:?}", method.name);
+            if time.undivided_secs.is_none() {
+                assert_eq!(time.geometry_secs.len(), method.kernels().len().max(1), "{}", method.name);
+            }
+        }
+        assert!(runner.time(method, &clouds::overview(size), 0).unwrap().is_empty());
+    }
+}
+
+/// Forty times the points take longer; so the clock measures the work.
+#[test]
+fn more_points_take_longer() {
+    let Some(gpu) = clouds::gpu() else { return };
+    let size = [64, 48];
+    let median = |points: usize| {
+        let mut runner = Runner::new(&gpu, &clouds::cube(points), Encoding::Wide, size).unwrap();
+        let method = by_name("two-pass-32").unwrap();
+        let mut secs: Vec<f64> =
+            runner.time(method, &clouds::overview(size), 9).unwrap().iter().map(|t| t.total_secs()).collect();
+        secs.sort_by(f64::total_cmp);
+        secs[4]
+    };
+    let (few, many) = (median(25_000), median(1_000_000));
+    assert!(many > 2.0 * few, "{few} s for 25,000 points, {many} s for a million");
+}
+
+#[test]
+fn ceilings_are_measured() {
+    let Some(gpu) = clouds::gpu() else { return };
+    for encoding in ENCODINGS {
+        let mut runner = Runner::new(&gpu, &clouds::cube(100_000), encoding, [8, 8]).unwrap();
+        let ceilings = ceilings(&mut runner, 3).unwrap();
+        assert_eq!((ceilings.copy.len(), ceilings.read.len()), (3, 3));
+        for rate in ceilings.copy.iter().chain(&ceilings.read) {
+            // From a slow processor to ten times what the fastest memory does.
+            assert!((1e7..1e14).contains(rate), "{encoding:?}: {ceilings:?}");
+        }
+    }
+}
