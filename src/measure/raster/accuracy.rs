@@ -52,12 +52,12 @@ impl Accuracy {
         let mut squares = 0;
         let mut depth_errors = Vec::new();
         let mut shown = vec![false; right.point.len()];
-        for i in 0..right.point.len() {
+        for (i, shown) in shown.iter_mut().enumerate() {
             let (here, there) = (is_covered(drawn, i), is_covered(right, i));
             if !(here || there) {
                 continue;
             }
-            shown[i] = true;
+            *shown = true;
             covered += 1;
             missing += u64::from(!here);
             extra += u64::from(!there);

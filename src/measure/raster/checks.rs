@@ -70,3 +70,81 @@ pub fn checks(report: &RasterReport) -> Vec<Check> {
 fn told<T>(found: Option<T>, tell: impl Fn(T) -> String) -> String {
     found.map_or_else(|| format!("no view has {OVERDRAW} points per pixel"), tell)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        measure::raster::{Accuracy, Block, MethodEntry, Order, RasterReport, Row},
+        methods::by_name,
+        render::Camera,
+    };
+
+    fn accuracy() -> Accuracy {
+        Accuracy {
+            covered_pixels: 1000,
+            missing_pixels: 0,
+            extra_pixels: 0,
+            wrong_pixels: Some(0),
+            right_share: Some(1.0),
+            psnr_db: None,
+            ssim: Some(1.0),
+            depth_error_median: Some(0.0),
+            depth_error_p95: Some(0.0),
+            give_ups: 0,
+        }
+    }
+
+    /// One block of a hundred metres' distance in which a method came out like this.
+    fn report(method: &str, accuracy: Accuracy, fragments: u64) -> RasterReport {
+        let method = by_name(method).unwrap();
+        let camera = Camera { eye: [0.0, 0.0, 100.0], target: [0.0; 3], up: [0.0, 1.0, 0.0], fov_y_deg: 60.0 };
+        let block = Block {
+            order: Order::Original,
+            view: "overview".into(),
+            camera,
+            fragments,
+            covered_pixels: 1000,
+            reference_differs: 0,
+            rows: vec![Row::new(method.name, accuracy)],
+        };
+        RasterReport { methods: vec![MethodEntry::new(method, None)], blocks: vec![block], ..RasterReport::for_tests() }
+    }
+
+    fn verdict(method: &str, accuracy: Accuracy, fragments: u64) -> Option<bool> {
+        checks(&report(method, accuracy, fragments))[0].holds
+    }
+
+    #[test]
+    fn wrong_on_purpose_must_be_wrong() {
+        let wrong = Accuracy { wrong_pixels: Some(200), right_share: Some(0.8), ..accuracy() };
+        assert_eq!(verdict("just-set", wrong, 5000), Some(true));
+        assert_eq!(verdict("racy", accuracy(), 5000), Some(false), "then nothing is shown by the comparison");
+        assert_eq!(verdict("racy", accuracy(), 1500), None, "with a point per pixel there is nothing to get wrong");
+    }
+
+    #[test]
+    fn the_others_must_be_right() {
+        assert_eq!(verdict("early-z", accuracy(), 5000), Some(true));
+        let other_points = Accuracy { right_share: Some(0.8), depth_error_p95: Some(0.09), ..accuracy() };
+        assert_eq!(
+            verdict("busy-loop-n", other_points.clone(), 5000),
+            Some(true),
+            "rounded depth, the front all the same"
+        );
+        let behind = Accuracy { depth_error_p95: Some(0.11), ..other_points };
+        assert_eq!(verdict("early-z", behind, 5000), Some(false));
+        assert_eq!(verdict("early-z", Accuracy { missing_pixels: 11, ..accuracy() }, 5000), Some(false));
+        assert_eq!(verdict("early-z", Accuracy { extra_pixels: 11, ..accuracy() }, 5000), Some(false));
+    }
+
+    #[test]
+    fn the_device_must_agree_with_the_processor() {
+        let mut report = report("early-z", accuracy(), 5000);
+        assert_eq!(checks(&report)[1].holds, Some(true));
+        report.blocks[0].reference_differs = 11;
+        assert_eq!(checks(&report)[1].holds, Some(false));
+        report.blocks[0].covered_pixels = 0;
+        assert_eq!(checks(&report)[1].holds, None);
+    }
+}

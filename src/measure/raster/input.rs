@@ -124,3 +124,41 @@ fn from_files(inputs: &[PathBuf]) -> Result<Scan, RasterError> {
 fn rgba([r, g, b]: [u8; 3]) -> u32 {
     u32::from_le_bytes([r, g, b, 255])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::synth::{Scene, write};
+
+    /// Enough for several threads and batches.
+    const POINTS: u64 = 150_000;
+
+    #[test]
+    fn a_file_and_its_generator_give_the_same_cloud() {
+        let options = SynthOptions { points: POINTS, ..SynthOptions::new(Scene::Town) };
+        let made = Input::Synth(options.clone()).load().unwrap();
+        assert_eq!(made.cloud.positions.len() as u64, POINTS);
+        let generator = Generator::new(&options).unwrap();
+        for i in [0, 65_535, 65_536, 99_999, POINTS - 1] {
+            let point = generator.point(i);
+            assert_eq!(made.cloud.positions[i as usize], point.position);
+            assert_eq!(made.cloud.colors[i as usize].to_le_bytes()[..3], point.rgb.map(|c| (c >> 8) as u8));
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let files: Vec<PathBuf> = ["a.las", "b.laz"].map(|name| folder.path().join(name)).into();
+        write(&options, &files[0], &mut |_| {}).unwrap();
+        write(&options, &files[1], &mut |_| {}).unwrap();
+        let read = Input::Files(vec![files[0].clone()]).load().unwrap();
+        assert!(read.cloud == made.cloud && read.problems.is_empty(), "in the order of the file");
+        let both = Input::Files(files).load().unwrap();
+        assert_eq!(both.cloud.positions[POINTS as usize..], made.cloud.positions, "one file after the other");
+        assert_eq!(both.cloud.colors[POINTS as usize..], made.cloud.colors);
+    }
+
+    #[test]
+    fn nothing_to_read_is_an_error() {
+        assert!(matches!(Input::Files(vec!["no such.las".into()]).load(), Err(RasterError::Source(_))));
+        let options = SynthOptions { points: 0, ..SynthOptions::new(Scene::Planes) };
+        assert!(matches!(Input::Synth(options).load(), Err(RasterError::NoPoints)));
+    }
+}

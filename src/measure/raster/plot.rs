@@ -111,10 +111,10 @@ impl Plot {
         let y = Laid::new(self.y.scale, all().map(|p| p.1), bottom, top);
         let mut out = String::new();
         // Writing to a string cannot fail.
-        let _ = write!(
+        let _ = writeln!(
             out,
             "<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" aria-label=\"{}\" viewBox=\"0 0 {} {}\" \
-             font-family=\"system-ui, sans-serif\" font-size=\"12\" fill=\"currentColor\">\n",
+             font-family=\"system-ui, sans-serif\" font-size=\"12\" fill=\"currentColor\">",
             escape(&self.title),
             SIZE[0],
             SIZE[1]

@@ -215,3 +215,33 @@ pub struct Check {
     pub holds: Option<bool>,
     pub found: String,
 }
+
+#[cfg(test)]
+impl RasterReport {
+    /// A report of nothing.
+    pub fn for_tests() -> RasterReport {
+        RasterReport {
+            report: TITLE,
+            program: String::new(),
+            command: String::new(),
+            complete: true,
+            machine: Machine::find(),
+            device: Device { adapter: String::new(), api: String::new(), driver: String::new(), is_software: true },
+            input: String::new(),
+            points: 1000,
+            size_px: [64, 48],
+            encoding: "wide",
+            bytes_per_point: 16,
+            frames: 1,
+            repeat: 1,
+            seed: 1,
+            wall_clock: true,
+            methods: Vec::new(),
+            ceilings: Ceilings::default(),
+            blocks: Vec::new(),
+            curves: Vec::new(),
+            checks: Vec::new(),
+            problems: Vec::new(),
+        }
+    }
+}
