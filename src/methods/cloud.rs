@@ -62,14 +62,13 @@ impl Packing {
     /// A position within the box as a word.
     pub fn pack(&self, position: [i32; 3]) -> u64 {
         let mut at = 0;
-        let mut word = 0;
-        for a in 0..3 {
-            let above = u64::from(position[a].abs_diff(self.base[a]));
+        let axes = position.iter().zip(&self.base).zip(&self.bits);
+        axes.fold(0, |word, ((value, base), bits)| {
             // An axis without bits may begin at bit 64; its distance is 0.
-            word |= above.checked_shl(at).unwrap_or(0);
-            at += self.bits[a];
-        }
-        word
+            let above = u64::from(value.abs_diff(*base)).checked_shl(at).unwrap_or(0);
+            at += bits;
+            word | above
+        })
     }
 }
 

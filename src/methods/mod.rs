@@ -30,6 +30,7 @@ pub use ceilings::{Ceilings, ceilings};
 pub use cloud::{Cloud, Encoding, Packing};
 pub use depth40::Depth40;
 pub use gpu::Gpu;
+pub use modules::PerThread;
 pub use pages::PageUniform;
 pub use runner::Runner;
 pub use table::{METHODS, Method, Needs, by_name};

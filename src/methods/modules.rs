@@ -2,7 +2,10 @@
 //! front, so that there are two of each.
 
 use super::cloud::Encoding;
-use crate::gpu::shaders::{INT64_ATOMICS, INT64_MIN_MAX};
+use crate::gpu::{
+    kernel::GROUP,
+    shaders::{INT64_ATOMICS, INT64_MIN_MAX},
+};
 
 /// An entry point of a module.
 #[derive(Debug)]
@@ -20,16 +23,32 @@ macro_rules! wgsl {
     };
 }
 
+/// How many points a thread draws, for kernels whose threads know nothing of each other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PerThread {
+    One,
+    Four,
+}
+
+const EACH: &str = wgsl!("methods/each");
+const FOUR: &str = wgsl!("methods/four");
 const PRELUDE: [&str; 3] = [wgsl!("group"), wgsl!("project"), wgsl!("methods/page")];
 
 impl Kernel {
     /// The whole module for points in that encoding.
-    pub fn source(&self, encoding: Encoding) -> String {
+    pub fn source(&self, encoding: Encoding, per_thread: PerThread) -> String {
         let load = match encoding {
             Encoding::Wide => wgsl!("methods/load_wide"),
             Encoding::Packed => wgsl!("methods/load_packed"),
         };
-        PRELUDE.concat() + load + &self.parts.concat()
+        let choose = |&part: &&'static str| if part == EACH && per_thread == PerThread::Four { FOUR } else { part };
+        PRELUDE.concat() + load + &self.parts.iter().map(choose).collect::<String>()
+    }
+
+    /// Threads for so many points or pixels.
+    pub fn threads(&self, count: u32, per_thread: PerThread) -> u32 {
+        let has_each = self.parts.contains(&EACH);
+        if has_each && per_thread == PerThread::Four { count.div_ceil(4 * GROUP) * GROUP } else { count }
     }
 }
 

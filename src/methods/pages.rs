@@ -101,7 +101,6 @@ impl Pages {
             let at = (start - range.start) as u64;
             let (point_words, color_words) = cloud.words(piece, packing);
             queue.write_buffer(&points, at * encoding.bytes(), bytemuck::cast_slice(&point_words));
-            // In the wide encoding there are none, and their buffer has no second piece to write to.
             if !color_words.is_empty() {
                 queue.write_buffer(&colors, at * 4, bytemuck::cast_slice(&color_words));
             }

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use super::{
     cloud::Encoding,
-    modules::{self, Kernel},
+    modules::{self, Kernel, PerThread},
 };
 use crate::gpu::kernel;
 
@@ -20,18 +20,19 @@ pub struct Pipelines {
     encoding: Encoding,
     made: HashMap<&'static str, wgpu::ComputePipeline>,
     spins: u32,
+    pub per_thread: PerThread,
 }
 
 impl Pipelines {
     pub fn new(encoding: Encoding, is_software: bool) -> Pipelines {
         let spins = if is_software { SOFTWARE_SPINS } else { SPINS };
-        Pipelines { encoding, made: HashMap::new(), spins }
+        Pipelines { encoding, made: HashMap::new(), spins, per_thread: PerThread::One }
     }
 
     pub fn module(&self, device: &wgpu::Device, kernel: &Kernel) -> wgpu::ShaderModule {
         device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(kernel.name),
-            source: wgpu::ShaderSource::Wgsl(kernel.source(self.encoding).into()),
+            source: wgpu::ShaderSource::Wgsl(kernel.source(self.encoding, self.per_thread).into()),
         })
     }
 
@@ -58,6 +59,11 @@ impl Pipelines {
 
     pub fn get(&self, kernel: &Kernel) -> Option<&wgpu::ComputePipeline> {
         self.made.get(kernel.name)
+    }
+
+    pub fn set_per_thread(&mut self, per_thread: PerThread) {
+        self.per_thread = per_thread;
+        self.made.clear();
     }
 
     pub fn set_spins(&mut self, spins: u32) {

@@ -3,7 +3,7 @@
 use super::{
     Cloud, Drawn, Encoding, FrameTime, Gpu, Method, MethodError, NO_POINT, depth40,
     hardware::Textures,
-    modules::{self, Kernel},
+    modules::{self, Kernel, PerThread},
     pages::Pages,
     pipelines::Pipelines,
     plan::{Identify, Plan, Resolve, Rule, Step},
@@ -65,6 +65,11 @@ impl Runner {
     /// a thread that holds a lock may be off its core.
     pub fn set_spins(&mut self, spins: u32) {
         self.pipelines.set_spins(spins);
+    }
+
+    /// How many points a thread draws; one unless told. The subgroup methods always take one.
+    pub fn set_points_per_thread(&mut self, per_thread: PerThread) {
+        self.pipelines.set_per_thread(per_thread);
     }
 
     /// Whether the device can run a method.
@@ -226,7 +231,7 @@ impl Runner {
         pass.set_pipeline(pipeline);
         for page in &self.pages.pages {
             pass.set_bind_group(1, &page.bind, &[]);
-            kernel::dispatch(pass, page.len);
+            kernel::dispatch(pass, kernel.threads(page.len, self.pipelines.per_thread));
         }
     }
 }

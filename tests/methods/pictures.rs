@@ -1,7 +1,7 @@
 //! The picture of each method against its twin's.
 
 use firstlight::{
-    methods::{Cloud, Drawn, Encoding, Gpu, METHODS, Method, NO_POINT, Runner, by_name, twin},
+    methods::{Cloud, Drawn, Encoding, Gpu, METHODS, Method, NO_POINT, PerThread, Runner, by_name, twin},
     render::View,
 };
 
@@ -67,13 +67,32 @@ fn sizes_around_groups_and_pages() {
     let size = [33, 31];
     for points in [0, 1, 2, 7, 8, 9, 31, 32, 33, 63, 65, 255, 256, 257, 999, 1000, 1001, 4097] {
         let cloud = clouds::cube(points);
-        for (encoding, page) in [(Encoding::Wide, None), (Encoding::Packed, Some(1000)), (Encoding::Wide, Some(63))] {
+        for (encoding, page, per_thread) in [
+            (Encoding::Wide, None, PerThread::One),
+            (Encoding::Packed, Some(1000), PerThread::Four),
+            (Encoding::Wide, Some(63), PerThread::One),
+        ] {
             let mut runner = Runner::with_pages(&gpu, &cloud, encoding, size, page).unwrap();
+            runner.set_points_per_thread(per_thread);
             assert_eq!(runner.points(), points as u64);
             for method in methods(&gpu) {
-                let case = format!("{points} points, {encoding:?}, pages {page:?}, {}", method.name);
+                let case =
+                    format!("{points} points, {encoding:?}, pages {page:?}, {per_thread:?} a thread, {}", method.name);
                 check(&gpu, &mut runner, method, &cloud, &clouds::overview(size), &case);
             }
+        }
+    }
+}
+
+/// A cloud is uploaded in pieces of 2²⁰ points; the second piece once overran the wide encoding's colours.
+#[test]
+fn a_cloud_of_several_uploads() {
+    let Some(gpu) = clouds::gpu() else { return };
+    let (cloud, size) = (clouds::cube((1 << 20) + 3), [160, 120]);
+    for encoding in ENCODINGS {
+        let mut runner = Runner::new(&gpu, &cloud, encoding, size).unwrap();
+        for name in ["two-pass-32", "hqs"] {
+            check(&gpu, &mut runner, by_name(name).unwrap(), &cloud, &clouds::overview(size), name);
         }
     }
 }

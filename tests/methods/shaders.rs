@@ -5,7 +5,7 @@ use std::mem::offset_of;
 
 use firstlight::{
     methods::{
-        Depth40, Encoding, METHODS, PageUniform,
+        Depth40, Encoding, METHODS, PageUniform, PerThread,
         modules::{self, Kernel},
     },
     render::View,
@@ -37,8 +37,8 @@ fn capabilities(kernel: &Kernel) -> Capabilities {
 fn all_kernels_are_valid_in_both_encodings() {
     let mut failures = Vec::new();
     for kernel in modules::ALL {
-        for encoding in ENCODINGS {
-            match validate(&kernel.source(encoding), capabilities(kernel)) {
+        for (encoding, per_thread) in ENCODINGS.iter().flat_map(|&e| [(e, PerThread::One), (e, PerThread::Four)]) {
+            match validate(&kernel.source(encoding, per_thread), capabilities(kernel)) {
                 Err(error) => failures.push(format!("{} {encoding:?}:\n{error}", kernel.name)),
                 Ok(module) => assert!(
                     module.entry_points.iter().any(|entry| entry.name == kernel.entry),
@@ -64,7 +64,7 @@ fn kernels_need_what_they_say() {
             if kernel.needs.contains(feature) {
                 let less = capabilities(kernel) - capability;
                 assert!(
-                    validate(&kernel.source(Encoding::Wide), less).is_err(),
+                    validate(&kernel.source(Encoding::Wide, PerThread::One), less).is_err(),
                     "{} without {capability:?}",
                     kernel.name
                 );
@@ -100,7 +100,8 @@ fn names_are_unique() {
 
 /// Names and offsets of the members of a WGSL struct, and its size.
 fn layout_of(kernel: &Kernel, name: &str) -> (Vec<(String, u32)>, u32) {
-    let module = validate(&kernel.source(Encoding::Packed), capabilities(kernel)).expect("a valid module");
+    let module =
+        validate(&kernel.source(Encoding::Packed, PerThread::One), capabilities(kernel)).expect("a valid module");
     let (_, ty) = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name)).expect("the struct exists");
     let naga::TypeInner::Struct { members, span } = &ty.inner else { panic!("{name} is a struct") };
     (members.iter().map(|m| (m.name.clone().unwrap_or_default(), m.offset)).collect(), *span)
