@@ -309,6 +309,9 @@ mod tests {
             assert!((fast.unwrap() - slow).abs() < 1e-9, "{fast:?} {slow}");
             assert!(slow < 0.99);
         }
+        let all = ssim(&drawn.rgba, &right.rgba, SIZE, &[true; 384]).unwrap();
+        // scikit-image 0.26, structural_similarity(…, data_range=255) of the same lumas.
+        assert!((all - 0.986_721_866_308_437_8).abs() < 1e-12, "{all}");
         assert_eq!(ssim(&drawn.rgba, &right.rgba, SIZE, &[false; 384]), None);
         assert_eq!(ssim(&[[0; 4]; 36], &[[0; 4]; 36], [6, 6], &[true; 36]), None, "smaller than a window");
     }

@@ -47,7 +47,7 @@ fn from_generator(options: &SynthOptions) -> Result<Scan, RasterError> {
     let generator = Generator::new(options)?;
     let len = generator.len() as usize;
     let (mut positions, mut colors) = (vec![[0; 3]; len], vec![0; len]);
-    let run = len.div_ceil(threads()).next_multiple_of(BATCH_POINTS);
+    let run = len.div_ceil(threads()).max(1).next_multiple_of(BATCH_POINTS);
     thread::scope(|scope| {
         let parts = positions.chunks_mut(run).zip(colors.chunks_mut(run)).enumerate();
         for (part, (positions, colors)) in parts {
