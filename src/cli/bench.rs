@@ -48,6 +48,7 @@ Exit codes:
 /// Points of the scan made where none is given, on a GPU and on a processor that stands in for one.
 const DEFAULT_POINTS: [u64; 2] = [100_000_000, 250_000];
 const DEFAULT_SIZE: [[u32; 2]; 2] = [[1920, 1080], [640, 360]];
+const DEFAULT_FRAMES: [u32; 2] = [10, 2];
 
 #[derive(Debug, Args)]
 pub struct BenchArgs {
@@ -84,9 +85,9 @@ pub struct BenchArgs {
     /// Width and height of the picture, pixels
     #[arg(long, value_name = "WxH", value_parser = values::parse_size)]
     size: Option<[u32; 2]>,
-    /// Frames that a method draws when it is its turn
-    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=10_000))]
-    frames: u32,
+    /// Frames that a method draws when it is its turn; by default 10, or 2 on a software rasterizer
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    frames: Option<u32>,
     /// Rounds: how often it is each method's turn
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000))]
     repeat: u32,
@@ -160,7 +161,7 @@ pub fn run(args: BenchArgs) -> Result<ExitStatus, CliError> {
         parts: once(args.parts),
         size: args.size.unwrap_or(DEFAULT_SIZE[default]),
         encoding: args.encoding.into(),
-        frames: args.frames,
+        frames: args.frames.unwrap_or(DEFAULT_FRAMES[default]),
         repeat: args.repeat,
         seed: args.seed,
         command: command_line(env::args_os()),
