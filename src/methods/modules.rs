@@ -32,6 +32,7 @@ pub enum PerThread {
 
 const EACH: &str = wgsl!("methods/each");
 const FOUR: &str = wgsl!("methods/four");
+const READ_FOUR: &str = wgsl!("methods/read");
 const PRELUDE: [&str; 3] = [wgsl!("group"), wgsl!("project"), wgsl!("methods/page")];
 
 impl Kernel {
@@ -47,8 +48,8 @@ impl Kernel {
 
     /// Threads for so many points or pixels.
     pub fn threads(&self, count: u32, per_thread: PerThread) -> u32 {
-        let has_each = self.parts.contains(&EACH);
-        if has_each && per_thread == PerThread::Four { count.div_ceil(4 * GROUP) * GROUP } else { count }
+        let takes_four = self.parts.contains(&EACH) && per_thread == PerThread::Four || self.parts.contains(&READ_FOUR);
+        if takes_four { count.div_ceil(4 * GROUP) * GROUP } else { count }
     }
 }
 

@@ -97,6 +97,32 @@ fn a_cloud_of_several_uploads() {
     }
 }
 
+/// More than 65,535 workgroups for one page, where a dispatch has rows: only the last points are in the
+/// picture, the very last in front. Packed, so that a page of the smallest binding holds them all.
+#[test]
+fn a_dispatch_of_several_rows() {
+    let Some(gpu) = clouds::gpu() else { return };
+    let (points, size) = (65_536 * 256, [9, 7]);
+    let mut cloud = Cloud { positions: vec![[0, -5000, 0]; points], colors: vec![0x0a_0b_0c; points] };
+    for k in 1..=3 {
+        cloud.positions[points - k] = [0, k as i32, 0];
+    }
+    let mut runner = Runner::new(&gpu, &cloud, Encoding::Packed, size).unwrap();
+    // The eye is between the two.
+    let view = clouds::along_y(size, 0.000_5);
+    for (name, per_thread) in
+        [("early-z", PerThread::One), ("reduce", PerThread::One), ("two-pass-32", PerThread::Four)]
+    {
+        let method = by_name(name).unwrap();
+        if gpu.supports(method).is_ok() {
+            runner.set_points_per_thread(per_thread);
+            let drawn = runner.draw(method, &view).unwrap();
+            let shown: Vec<u32> = drawn.point.iter().copied().filter(|&point| point != NO_POINT).collect();
+            assert_eq!(shown, [points as u32 - 1], "{name}");
+        }
+    }
+}
+
 #[test]
 fn packed_equals_wide_bit_for_bit() {
     let Some(gpu) = clouds::gpu() else { return };

@@ -55,3 +55,16 @@ fn ceilings_are_measured() {
         }
     }
 }
+
+/// Reading costs, so the compiler did not leave it out: forty times the points take longer.
+#[test]
+fn the_reading_kernel_reads() {
+    let Some(gpu) = clouds::gpu() else { return };
+    let best = |points: usize| {
+        let mut runner = Runner::new(&gpu, &clouds::cube(points), Encoding::Packed, [8, 8]).unwrap();
+        let rates = ceilings(&mut runner, 9).unwrap().read;
+        points as f64 * 8.0 / rates.into_iter().fold(0.0, f64::max)
+    };
+    let (few, many) = (best(25_000), best(1_000_000));
+    assert!(many > 2.0 * few, "{few} s for 25,000 points, {many} s for a million");
+}
