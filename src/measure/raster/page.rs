@@ -20,9 +20,8 @@ pub fn page(report: &RasterReport) -> String {
         }
     };
     plots("Speed against accuracy", SPEED_ABOUT, report.blocks.iter().filter_map(|b| speed_plot(report, b)).collect());
-    plots("Cost against points", POINTS_ABOUT, curve(report, CurveKind::Points).into_iter().collect());
-    let fragments = [CurveKind::Planes, CurveKind::Base].into_iter().filter_map(|kind| curve(report, kind));
-    plots("Cost against points per pixel", FRAGMENTS_ABOUT, fragments.collect());
+    let kinds = [CurveKind::Points, CurveKind::Planes, CurveKind::Base];
+    plots("Cost against points", COST_ABOUT, kinds.into_iter().filter_map(|kind| curve(report, kind)).collect());
     if !report.blocks.is_empty() {
         body.push_str("<h2>Method × order × viewpoint</h2>\n");
     }
@@ -40,10 +39,9 @@ const SPEED_ABOUT: &str = "One dot per method. Accuracy is the structural simila
 picture of <i>atomic-min</i>, over the pixels that either covers; methods that average points (<i>hqs</i> …) differ \
 from it as they should. Dashed: the methods that no other beats in both. <i>just-set</i> and <i>racy</i> are wrong on \
 purpose.";
-const POINTS_ABOUT: &str = "The scan thinned evenly, in its own order, seen in the overview.";
-const FRAGMENTS_ABOUT: &str = "Points in random order on planes stacked before the camera (after Günther et al. 2013, \
-Figure 3). First ever more planes, each with a point for every pixel; then as many points as the picture has pixels, their \
-base shrunk until all of them lie in one pixel.";
+const COST_ABOUT: &str = "The scan thinned evenly, in its own order, seen in the overview. Then points in random order on \
+planes stacked before the camera (after Günther et al. 2013, Figure 3): first ever more planes, each with a point for \
+every pixel; then as many points as the picture has pixels, their base shrunk until all of them lie in one pixel.";
 
 fn axis(name: &str, scale: Scale) -> Axis {
     Axis { name: name.into(), scale }
