@@ -8,9 +8,10 @@
 //! info      what a file says of itself                      (header, VLRs, chunks)
 //! store     batches → random slots of a growing buffer      (permutation, insertion, pages)
 //! render    reproject → fresh → fill → index → resolve      (GPU and CPU backends, one frame plan)
+//! methods   every way to rasterize points, to be measured against each other
 //! headless  the picture as a PNG, a report as JSON
 //! view      the picture in a window
-//! measure   frame times while a scene grows; how fast points come to the screen
+//! measure   frame times while a scene grows; how fast points come to the screen; rasterizers compared
 //! cli       what the user typed → one of these
 //! ```
 //!
@@ -31,6 +32,8 @@ pub mod info;
 pub mod store;
 
 pub mod render;
+
+pub mod methods;
 
 pub mod headless;
 

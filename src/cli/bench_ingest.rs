@@ -157,7 +157,7 @@ fn threads(mut asked: Vec<usize>) -> Vec<usize> {
 }
 
 /// Without repetitions, in the order given.
-fn once<T: PartialEq>(list: Vec<T>) -> Vec<T> {
+pub fn once<T: PartialEq>(list: Vec<T>) -> Vec<T> {
     list.into_iter().fold(Vec::new(), |mut kept, item| {
         if !kept.contains(&item) {
             kept.push(item);
@@ -167,7 +167,7 @@ fn once<T: PartialEq>(list: Vec<T>) -> Vec<T> {
 }
 
 /// The words, quoted where a shell would split them.
-fn command_line<S: AsRef<OsStr>>(words: impl Iterator<Item = S>) -> String {
+pub fn command_line<S: AsRef<OsStr>>(words: impl Iterator<Item = S>) -> String {
     let plain = |c: char| c.is_alphanumeric() || "-_./=:,+@%".contains(c);
     let quote = |word: S| {
         let word = word.as_ref().to_string_lossy().into_owned();

@@ -2,7 +2,7 @@
 
 use crate::{
     headless::HeadlessError,
-    measure::{BenchError, ReportDirError, ingest::IngestError},
+    measure::{BenchError, ReportDirError, ingest::IngestError, raster::RasterError},
     render::RenderError,
     synth::SynthError,
     view::ViewError,
@@ -56,6 +56,8 @@ pub enum CliError {
     #[error(transparent)]
     Ingest(#[from] IngestError),
     #[error(transparent)]
+    Raster(#[from] RasterError),
+    #[error(transparent)]
     ReportDir(#[from] ReportDirError),
 }
 
@@ -84,6 +86,12 @@ impl CliError {
                 }
                 IngestError::Camera(_) | IngestError::Against { .. } => ExitStatus::Usage,
                 IngestError::Render(_) => ExitStatus::Device,
+            },
+            CliError::Raster(error) => match error {
+                RasterError::Source(_) | RasterError::NoPoints => ExitStatus::Input,
+                RasterError::Camera(_) | RasterError::Synth(_) => ExitStatus::Usage,
+                RasterError::Render(_) | RasterError::Methods(_) => ExitStatus::Device,
+                RasterError::ReportDir(_) => ExitStatus::Output,
             },
             CliError::ReportDir(_) => ExitStatus::Output,
         }

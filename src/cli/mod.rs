@@ -3,6 +3,7 @@
 //! Every message is one line on standard error and every way to fail has its [`ExitStatus`]; a panic
 //! is caught and becomes such a line too.
 
+mod bench;
 mod bench_frames;
 mod bench_ingest;
 mod exit;
@@ -52,6 +53,9 @@ enum Command {
     Info(info::InfoArgs),
     #[command(after_help = exit::HELP)]
     Synth(synth::SynthArgs),
+    /// Measure every way to rasterize points on this device, and what each costs in accuracy
+    #[command(after_help = bench::HELP)]
+    Bench(Box<bench::BenchArgs>),
     /// Time frames while a scene grows: does the frame time stay flat?
     #[command(after_help = exit::HELP)]
     BenchFrames(bench_frames::BenchFramesArgs),
@@ -93,6 +97,7 @@ fn run(args: impl IntoIterator<Item = OsString>, started: Instant) -> Result<Exi
     match cli.command {
         Some(Command::Render(args)) => render::run(*args, started),
         Some(Command::Info(args)) => info::run(args),
+        Some(Command::Bench(args)) => bench::run(*args),
         Some(Command::BenchFrames(args)) => bench_frames::run(args, started),
         Some(Command::BenchIngest(args)) => bench_ingest::run(args),
         Some(Command::Synth(args)) => {

@@ -253,7 +253,8 @@ fn is_same_place(a: &Destination, b: &Destination) -> bool {
     }
 }
 
-fn read_camera(path: &Path) -> Result<Camera, CliError> {
+/// The camera in a file of `--camera`.
+pub fn read_camera(path: &Path) -> Result<Camera, CliError> {
     let text =
         fs::read_to_string(path).map_err(|error| CliError::Usage(format!("--camera {}: {error}", path.display())))?;
     serde_json::from_str(&text).map_err(|error| {

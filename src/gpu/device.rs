@@ -34,11 +34,18 @@ fn instance() -> wgpu::Instance {
 
 /// The best adapter at hand and a device on it, for work without a window.
 pub fn headless() -> Result<(wgpu::Adapter, wgpu::Device, wgpu::Queue), RenderError> {
+    headless_with(descriptor)
+}
+
+/// As [`headless`], with what `describe` asks of the adapter.
+pub fn headless_with(
+    describe: impl FnOnce(&wgpu::Adapter) -> wgpu::DeviceDescriptor<'static>,
+) -> Result<(wgpu::Adapter, wgpu::Device, wgpu::Queue), RenderError> {
     let options =
         wgpu::RequestAdapterOptions { power_preference: wgpu::PowerPreference::HighPerformance, ..Default::default() };
     let adapter = pollster::block_on(instance().request_adapter(&options))
         .map_err(|error| RenderError::NoAdapter(format!(" ({})", what_was_tried(&error.to_string()))))?;
-    let (device, queue) = pollster::block_on(adapter.request_device(&descriptor(&adapter)))
+    let (device, queue) = pollster::block_on(adapter.request_device(&describe(&adapter)))
         .map_err(|error| RenderError::NoAdapter(format!(" (the adapter gave no device: {error})")))?;
     Ok((adapter, device, queue))
 }

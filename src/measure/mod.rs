@@ -5,6 +5,7 @@
 //! feed        points from files, or from memory
 //! frames      bench-frames: does the frame time stay flat while a scene grows?
 //! ingest      bench-ingest: how fast points come from a file to the screen
+//! raster      bench: every way to rasterize, its speed beside its accuracy
 //! machine     what it ran on
 //! stats       medians and quartiles
 //! chart       line charts as SVG
@@ -18,6 +19,7 @@ mod frames;
 mod html;
 pub mod ingest;
 mod machine;
+pub mod raster;
 mod report_dir;
 mod stats;
 

@@ -82,7 +82,7 @@ impl Camera {
             (tan_y * aspect, fit_axis(right, tan_y * aspect), fit_axis(true_up, tan_y));
         let nearest = ((right_end - left) / (2.0 * tan_x)).min((top - bottom) / (2.0 * tan_y));
         // A scene of a single point still needs a direction to look along.
-        let smallest_step = grid.scale.iter().copied().fold(f64::INFINITY, f64::min);
+        let smallest_step = grid.scale.iter().map(|step| step.abs()).fold(f64::INFINITY, f64::min);
         let along = nearest.min(-100.0 * smallest_step);
         let aside = right * (0.5 * (left + right_end)) + true_up * (0.5 * (bottom + top));
         let on_grid = |p: DVec3| {

@@ -12,3 +12,4 @@ mod damaged;
 mod ingest;
 mod picture;
 mod projection;
+mod raster;

@@ -1,0 +1,247 @@
+//! `firstlight bench`.
+
+use std::{
+    env,
+    io::{self, IsTerminal, Write},
+    path::PathBuf,
+};
+
+use clap::{Args, ValueEnum};
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::{CliError, ExitStatus, bench_ingest::command_line, bench_ingest::once, render::read_camera, say, values};
+use crate::{
+    measure::{
+        ReportDir, ReportDirError,
+        raster::{
+            BenchRaster, Input, Order, Part, RasterError, RasterReport, TITLE, Viewpoint, Watcher, bench_raster,
+            markdown, page, write_csv,
+        },
+    },
+    methods::{Encoding, Gpu, METHODS, Method, by_name},
+    synth::{Scene, SynthOptions},
+};
+
+/// Shown after the options.
+pub const HELP: &str = "\
+A block is one order seen from one viewpoint. In a block all methods run in turn, round after round, every second
+round backwards; a first run of each is not counted. Every picture is compared with that of atomic-min, and that
+one with the processor's. Between the blocks two ceilings are measured: a kernel that only reads the
+positions, and a copy from buffer to buffer. Methods of a block are compared side by side; blocks follow one
+another, so on a busy machine differences between orders or viewpoints may be the machine's.
+
+REPORT_DIR gets bench.json (every sample), bench.csv (a line per frame) and index.html (tables and charts); the
+tables are printed as Markdown too. The report is written after every block, so that Ctrl-C keeps what is done.
+
+Without --size and --synth, a GPU draws 100 million points at 1920x1080; a software rasterizer such as lavapipe
+draws 250,000 at 640x360, in less than two minutes on two cores.
+
+Exit codes:
+  0  done
+  1  internal error
+  2  the command line or the camera file is wrong
+  3  no input can be read: missing, or not LAS/LAZ
+  4  the report is written, but points are missing, or one of its checks failed: the figures cannot be trusted
+  5  the report cannot be written
+  6  no device does what was asked (no GPU, --size, --encoding)";
+
+/// Points of the scan made where none is given, on a GPU and on a processor that stands in for one.
+const DEFAULT_POINTS: [u64; 2] = [100_000_000, 250_000];
+const DEFAULT_SIZE: [[u32; 2]; 2] = [[1920, 1080], [640, 360]];
+const DEFAULT_FRAMES: [u32; 2] = [10, 2];
+
+#[derive(Debug, Args)]
+pub struct BenchArgs {
+    /// LAS and LAZ files, and folders of them, all as one scene
+    #[arg(value_name = "IN")]
+    inputs: Vec<PathBuf>,
+    /// Folder for the report: new, empty, or an older report of this command
+    #[arg(short, long, value_name = "REPORT_DIR", required_unless_present = "list")]
+    output: Option<PathBuf>,
+    /// A synthetic scan straight from memory: town:100M, planes:1M
+    #[arg(long, value_name = "SCENE:N", conflicts_with = "inputs", value_parser = values::parse_synth)]
+    synth: Option<SynthOptions>,
+    /// Methods to measure; by default all (--list names them)
+    #[arg(long, value_name = "METHOD,…", value_delimiter = ',', value_parser = parse_method)]
+    methods: Vec<&'static Method>,
+    /// Orders in which the points lie in memory
+    #[arg(
+        long,
+        value_enum,
+        value_name = "ORDER,…",
+        value_delimiter = ',',
+        default_value = "original,morton,shuffled,shuffled-morton"
+    )]
+    orders: Vec<Order>,
+    /// Viewpoints; by default all, or none with --camera
+    #[arg(long, value_enum, value_name = "VIEW,…", value_delimiter = ',')]
+    views: Vec<Viewpoint>,
+    /// A viewpoint of your own: {"eye":[x,y,z],"target":[x,y,z],"up":[0,0,1],"fov_y_deg":60}
+    #[arg(long, value_name = "CAM.json")]
+    camera: Option<PathBuf>,
+    /// What to measure
+    #[arg(long, value_enum, value_name = "PART,…", value_delimiter = ',', default_value = "tables,points,fragments")]
+    parts: Vec<Part>,
+    /// Width and height of the picture, pixels
+    #[arg(long, value_name = "WxH", value_parser = values::parse_size)]
+    size: Option<[u32; 2]>,
+    /// Frames that a method draws when it is its turn; by default 10, or 2 on a software rasterizer
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    frames: Option<u32>,
+    /// Rounds: how often it is each method's turn
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    repeat: u32,
+    /// How a position lies in memory
+    #[arg(long, value_enum, default_value_t)]
+    encoding: EncodingArg,
+    /// Fixes the shuffles
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// Say what each method is, where it is from and whether this device can run it, and end
+    #[arg(long)]
+    list: bool,
+    /// Say nothing but errors
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+/// [`Encoding`] on the command line.
+#[derive(Debug, Clone, Copy, Default, ValueEnum)]
+enum EncodingArg {
+    /// 16 bytes: three 32-bit integers and the colour
+    #[default]
+    Wide,
+    /// 8 bytes, where the scan's box fits 64 bits; colours apart
+    Packed,
+}
+
+impl From<EncodingArg> for Encoding {
+    fn from(arg: EncodingArg) -> Encoding {
+        match arg {
+            EncodingArg::Wide => Encoding::Wide,
+            EncodingArg::Packed => Encoding::Packed,
+        }
+    }
+}
+
+fn parse_method(name: &str) -> Result<&'static Method, String> {
+    by_name(name).ok_or_else(|| {
+        let names: Vec<&str> = METHODS.iter().map(|method| method.name).collect();
+        format!("expected one of {} (see --list)", names.join(", "))
+    })
+}
+
+pub fn run(args: BenchArgs) -> Result<ExitStatus, CliError> {
+    let Some(output) = args.output.as_deref().filter(|_| !args.list) else { return list() };
+    let camera = args.camera.as_deref().map(read_camera).transpose()?;
+    let folder = ReportDir::prepare(output, "bench.json", TITLE)?;
+    let gpu = Gpu::headless().map_err(RasterError::from)?;
+    let is_software = gpu.info.device_type == wgpu::DeviceType::Cpu;
+    let default = usize::from(is_software);
+    let input = match (args.synth, args.inputs.is_empty()) {
+        (Some(options), _) => Input::Synth(options),
+        (None, true) => {
+            Input::Synth(SynthOptions { points: DEFAULT_POINTS[default], ..SynthOptions::new(Scene::Town) })
+        }
+        (None, false) => Input::Files(args.inputs),
+    };
+    let views =
+        if args.views.is_empty() && camera.is_none() { Viewpoint::value_variants().to_vec() } else { once(args.views) };
+    let mut methods: Vec<&'static Method> = METHODS.iter().collect();
+    if !args.methods.is_empty() {
+        // In the order of the table.
+        methods.retain(|method| args.methods.iter().any(|asked| asked.name == method.name));
+    }
+    let settings = BenchRaster {
+        input,
+        methods,
+        orders: once(args.orders),
+        views,
+        camera,
+        parts: once(args.parts),
+        size: args.size.unwrap_or(DEFAULT_SIZE[default]),
+        encoding: args.encoding.into(),
+        frames: args.frames.unwrap_or(DEFAULT_FRAMES[default]),
+        repeat: args.repeat,
+        seed: args.seed,
+        command: command_line(env::args_os()),
+    };
+    let mut follow = Follow { folder, bar: bar(args.quiet), quiet: args.quiet };
+    let report = bench_raster(&settings, &gpu, &mut follow);
+    follow.bar.finish_and_clear();
+    let report = report?;
+    if !args.quiet {
+        // If nobody reads the tables, the report is written all the same.
+        let _ = write!(io::stdout(), "{}", markdown(&report));
+        say(&format!("wrote {}", follow.folder.path().join("index.html").display()));
+    }
+    Ok(tell(&report))
+}
+
+/// Says, past --quiet, what makes the figures worth less.
+fn tell(report: &RasterReport) -> ExitStatus {
+    let failed = || report.checks.iter().filter(|check| check.holds == Some(false));
+    report.problems.iter().for_each(|problem| say(&format!("firstlight: {problem}")));
+    failed().for_each(|check| say(&format!("firstlight: CHECK FAILED: {}: {}", check.what, check.found)));
+    let all_is_well = report.problems.is_empty() && failed().next().is_none();
+    if all_is_well { ExitStatus::Ok } else { ExitStatus::Partial }
+}
+
+/// The table of methods; without a device, without a word on what it can run.
+fn list() -> Result<ExitStatus, CliError> {
+    let gpu = Gpu::headless();
+    let mut out = io::stdout().lock();
+    // A closed pipe is no reason to fail.
+    let mut line = |text: &str| drop(writeln!(out, "{text}"));
+    for method in METHODS {
+        line(&format!("{}\n    {}", method.name, method.what));
+        if let Some(why) = method.wrong_on_purpose {
+            line(&format!("    wrong on purpose: {why}"));
+        }
+        line(&format!("    from:  {}\n    needs: {}", method.source, method.needs));
+        if let Err(missing) = gpu.as_ref().map_or(Ok(()), |gpu| gpu.supports(method)) {
+            line(&format!("    {missing}"));
+        }
+    }
+    match &gpu {
+        Ok(gpu) => line(&format!("\nThe device here: {} ({})", gpu.info.name, gpu.info.backend)),
+        Err(error) => line(&format!("\nNo device here: {error}")),
+    }
+    Ok(ExitStatus::Ok)
+}
+
+fn bar(quiet: bool) -> ProgressBar {
+    if quiet || !io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new(1);
+    match ProgressStyle::with_template("{bar:30} {pos}/{len}, {elapsed}, {eta} left: {msg}") {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
+    }
+}
+
+struct Follow {
+    folder: ReportDir,
+    bar: ProgressBar,
+    quiet: bool,
+}
+
+impl Watcher for Follow {
+    fn step(&mut self, done: usize, total: usize, what: &str) {
+        self.bar.set_length(total as u64);
+        self.bar.set_position(done as u64);
+        self.bar.set_message(what.to_owned());
+        if !self.quiet && self.bar.is_hidden() {
+            say(&format!("{done} of {total}: {what}"));
+        }
+    }
+
+    fn save(&mut self, report: &RasterReport) -> Result<(), ReportDirError> {
+        let folder = &self.folder;
+        folder.write("bench.csv", |out| write_csv(out, report))?;
+        folder.write("index.html", |out| out.write_all(page(report).as_bytes()))?;
+        // Last: it is what says that the folder holds a report.
+        Ok(folder.write("bench.json", |out| Ok(serde_json::to_writer_pretty(out, report)?))?)
+    }
+}

@@ -1,0 +1,74 @@
+//! Pipelines, made when a method first needs them.
+
+use std::collections::HashMap;
+
+use super::{
+    cloud::Encoding,
+    modules::{self, Kernel, PerThread},
+};
+use crate::gpu::kernel;
+
+/// Turns of the busy loop before a point gives up: enough for all threads of a pixel to have their turn,
+/// too few to keep a GPU from answering.
+const SPINS: u32 = 4096;
+/// The same on a processor, where a thread that holds a lock may be off its core for milliseconds: with
+/// 4,096 turns, a whole group of 256 gave up in one of some ten pictures on two busy cores.
+const SOFTWARE_SPINS: u32 = 1 << 20;
+
+/// All pipelines of one encoding.
+pub struct Pipelines {
+    encoding: Encoding,
+    made: HashMap<&'static str, wgpu::ComputePipeline>,
+    spins: u32,
+    pub per_thread: PerThread,
+}
+
+impl Pipelines {
+    pub fn new(encoding: Encoding, is_software: bool) -> Pipelines {
+        let spins = if is_software { SOFTWARE_SPINS } else { SPINS };
+        Pipelines { encoding, made: HashMap::new(), spins, per_thread: PerThread::One }
+    }
+
+    pub fn module(&self, device: &wgpu::Device, kernel: &Kernel) -> wgpu::ShaderModule {
+        device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(kernel.name),
+            source: wgpu::ShaderSource::Wgsl(kernel.source(self.encoding, self.per_thread).into()),
+        })
+    }
+
+    /// Makes a kernel's pipeline if it is not there yet.
+    pub fn make(&mut self, device: &wgpu::Device, kernel: &'static Kernel, groups: &[&wgpu::BindGroupLayout]) {
+        if self.made.contains_key(kernel.name) {
+            return;
+        }
+        let spins = [("spins", f64::from(self.spins))];
+        let is_busy = [modules::BUSY_LOOP.name, modules::BUSY_LOOP_N.name].contains(&kernel.name);
+        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(kernel.name),
+            layout: Some(&kernel::pipeline_layout(device, kernel.name, groups)),
+            module: &self.module(device, kernel),
+            entry_point: Some(kernel.entry),
+            compilation_options: wgpu::PipelineCompilationOptions {
+                constants: if is_busy { &spins } else { &[] },
+                ..Default::default()
+            },
+            cache: None,
+        });
+        self.made.insert(kernel.name, pipeline);
+    }
+
+    pub fn get(&self, kernel: &Kernel) -> Option<&wgpu::ComputePipeline> {
+        self.made.get(kernel.name)
+    }
+
+    pub fn set_per_thread(&mut self, per_thread: PerThread) {
+        self.per_thread = per_thread;
+        self.made.clear();
+    }
+
+    pub fn set_spins(&mut self, spins: u32) {
+        self.spins = spins;
+        self.made.remove(modules::BUSY_LOOP.name);
+        self.made.remove(modules::BUSY_LOOP_N.name);
+    }
+}
