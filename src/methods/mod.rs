@@ -9,39 +9,39 @@
 //!
 //! # Predictions and outcomes
 //!
-//! Each idea with what was expected before and what came out, what did not help among them. On 2 cores
-//! with Mesa 22.3's lavapipe (LLVM 15, subgroups of 8), 2 M points, 1024×768, medians of 7 frames
-//! alternated in one process, ratios; other work ran on the machine. What only a GPU can show is
-//! marked as open.
+//! Each idea with what was expected before, where that was written down, and what came out, what did not help among
+//! them. On 2 cores with Mesa 22.3's lavapipe (LLVM 15, subgroups of 8), 2 M points, 1024×768, medians of 7 frames
+//! alternated in one process, ratios; other work ran on the machine. What only a GPU can show is marked as open.
 //!
 //! * *Four points a thread, all loaded before the first is drawn* ([`PerThread::Four`]). Expected: nothing on a
-//!   processor, whose caches hide no latency this way; on a GPU the gap between 65 % of the copy's
-//!   bandwidth and all of it. Found: 1.1–1.4 times on lavapipe, most on the far view (early-z 1.34–1.38,
-//!   two-pass-32 1.38–1.41), nothing for hardware points and subgroup kernels, which take one point as
-//!   before; the busy loop 0.8–1.2. A thread of lavapipe costs more than was thought. GPU: open.
-//! * *8 bytes a point instead of 16.* Expected: nothing where arithmetic is the limit. Found: 0.9–1.1
-//!   on lavapipe; the methods that also read colours lose up to 10 %, for one more buffer. GPU: open.
+//!   processor, whose caches hide no latency this way; on a GPU the gap between 65 % of the copy's bandwidth and all
+//!   of it. Found: 1.1–1.4 times on lavapipe for just-set, atomic-min, early-z and two-pass-32, most on the far view
+//!   (1.2–1.4); the averages 1.0–1.35, depth40 0.9–1.25, the busy loop 0.8–1.2; hardware points and the subgroup
+//!   kernels take one point as before. A thread of lavapipe costs more than was thought. GPU: open.
+//! * *8 bytes a point instead of 16.* Found: mostly 0.9–1.1 on lavapipe; depth40, which also reads colours from one
+//!   more buffer, loses 5–15 %. GPU: open.
 //! * *Skipping what is outside before the division* (a test of |x| and |y| against 1.001 times the depth in
-//!   `project`). Expected: 5 % on the closeup, where most is outside. Found: no difference that two
-//!   programs run in turn could tell from noise (closeup, just-set 26, 25, 25 against 24, 25, 30 million
-//!   points/s). Left out: one more rule for the twin to share.
-//! * *`reduce` and `dedup`.* Expected: both lose where subgroups have 8 threads and an atomic costs as much
-//!   as a store. Found: reduce 0.8–1.0 of atomic-min, more only behind early-z; dedup 0.5–0.75.
-//!   GPU: open; dedup's rounds are as many as distinct pixels, so that shuffled order is its worst case.
-//! * *Busy loop: leaving a tie without the lock.* The paper's early-out, made exact for points of equal
-//!   depth: the slot is written before the depth. Expected and found: stacked points of equal depth no
-//!   longer queue for the lock; no picture changed.
-//! * *Busy loop: 4,096 turns are enough.* Expected. Found wrong on a processor: the operating system takes
-//!   a thread off its core with the lock in hand, and a group of 256 gave up. 2²⁰ turns there.
-//! * *`just-set` shows chance.* Expected: another picture each time. Found: with lavapipe often exactly the
-//!   last point of the cloud in each pixel. It is wrong in most pixels where near points come first, and
-//!   right where they come last: its accuracy depends on the order of the cloud.
-//! * *`i64(u32)` in WGSL.* Expected: the number. Found: naga 30 writes SPIR-V that extends the sign;
-//!   `bitcast<i64>(u64(x))` does not.
+//!   `project`). Expected: 5 % on the closeup, where most is outside. Found: no difference that two programs run in
+//!   turn could tell from noise (closeup, just-set, on a busy machine: 26, 25 million points/s without, 24, 25, 30
+//!   with). Left out: one more rule for the twin to share.
+//! * *`reduce` and `dedup`*, with subgroups of 8. Found: reduce 0.87–1.0 of atomic-min, reduce-early-z 0.75–0.92 of
+//!   early-z, dedup 0.47–0.75 of atomic-min. GPU: open; dedup's rounds are as many as distinct pixels, so that
+//!   shuffled order is its worst case.
+//! * *Busy loop: leaving a tie without the lock.* The paper's early-out, made exact for points of equal depth: the
+//!   slot is written before the depth. Expected: stacked points of equal depth no longer queue for the lock. Found:
+//!   200,000 equal points 3.2 ms instead of 16.6 (atomic-min 3.1), and no give-ups where 8 or 16 points had starved
+//!   through 2²⁰ turns; no picture changed.
+//! * *Busy loop: 4,096 turns are enough.* Expected. Found wrong on a processor: the operating system takes a thread
+//!   off its core with the lock in hand, and a group of 256 gave up. 2²⁰ turns there.
+//! * *`just-set` shows chance.* Found: with lavapipe often exactly the last point of the cloud in each pixel. It is
+//!   wrong in most pixels where near points come first, and right where they come last: its accuracy depends on the
+//!   order of the cloud.
+//! * *`i64(u32)` in WGSL.* Expected: the number. Found: naga 30 writes `SConvert`, which extends the sign;
+//!   `bitcast<i64>(u64(x))` does not. (And `u64(i32)` writes `UConvert`, which does not.)
 //!
-//! `hqs1r` is exact while fewer than 65,281 threads are between their look at a pixel and their addition
-//! to it. A GPU that holds more threads than that (an H200: 270,000) could exceed it with all points in
-//! one pixel; open whether it does.
+//! `hqs1r` is exact while fewer than 65,281 threads are between their look at a pixel and their addition to it. A GPU
+//! that holds more threads than that (an H200: 270,000) could exceed it with all points in one pixel; open whether it
+//! does.
 
 mod ceilings;
 mod cloud;

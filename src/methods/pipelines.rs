@@ -12,7 +12,7 @@ use crate::gpu::kernel;
 /// too few to keep a GPU from answering.
 const SPINS: u32 = 4096;
 /// The same on a processor, where a thread that holds a lock may be off its core for milliseconds: with
-/// 4,096 turns, a whole group of 256 gave up in one of some ten pictures on two busy cores.
+/// 4,096 turns, a whole group of 256 was seen to give up on two busy cores.
 const SOFTWARE_SPINS: u32 = 1 << 20;
 
 /// All pipelines of one encoding.
