@@ -8,7 +8,7 @@ use crate::{
     view::ViewError,
 };
 
-/// The process's exit code. Listed for users in [`HELP`].
+/// The process's exit code. Listed for users in `HELP`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 pub enum ExitStatus {

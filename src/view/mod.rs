@@ -1,5 +1,5 @@
 //! The window: eframe on wgpu. It consumes the same events and records the same frames as `headless`;
-//! its own are the camera in the user's hands ([`navigation`]) and the lines over the picture.
+//! its own are the camera in the user's hands (`navigation`) and the lines over the picture.
 //!
 //! Nothing is drawn while nothing changes: decoders wake the window, the picture asks for frames until
 //! it has converged, and then the window sleeps.

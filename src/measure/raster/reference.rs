@@ -14,7 +14,7 @@ pub struct Published {
     pub model: &'static str,
     /// In millions, where the paper's abstract or captions say so.
     pub million_points: Option<f64>,
-    /// Per order, per column of [`METHODS`].
+    /// Per order, per column of the table.
     pub frame_ms: [(Order, [f64; 10]); 4],
 }
 
