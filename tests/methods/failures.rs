@@ -138,8 +138,11 @@ fn depths_differ_in_precision() {
     assert!(nearest("depth40", 1, 100_000.0).is_none_or(|point| point == 1));
     assert!(nearest("depth40-ranges", 1, 100_000.0).is_none_or(|point| point == 1));
     // Normalized depth at 1 km: half a metre.
-    assert_eq!(nearest("busy-loop-n", 100, 1000.0), Some(0));
-    assert_eq!(nearest("busy-loop", 100, 1000.0), Some(1));
+    for (name, expected) in [("busy-loop-n", 0), ("busy-loop", 1)] {
+        let found = nearest(name, 100, 1000.0);
+        let gave_up = found.is_none() && !gpu.is_software();
+        assert!(gave_up || found == Some(expected), "{name}: {found:?}");
+    }
 }
 
 #[test]
