@@ -97,6 +97,13 @@ impl PointBatch {
         self.positions.is_empty()
     }
 
+    /// Bytes in all columns.
+    pub fn bytes(&self) -> u64 {
+        let PointBatch { file: _, positions, colors, records, attributes, stats: _ } = self;
+        let always = size_of_val(&positions[..]) + size_of_val(&colors[..]) + size_of_val(&records[..]);
+        always as u64 + attributes.bytes()
+    }
+
     /// Empties all columns and keeps their memory.
     pub fn clear(&mut self) {
         self.positions.clear();

@@ -183,11 +183,7 @@ impl Run<'_> {
     /// The camera goes round the scene, a degree a frame.
     fn request(&mut self) -> Result<Option<FrameRequest>, BenchError> {
         let Some((facts, camera)) = &self.scene else { return Ok(None) };
-        let (sin, cos) = f64::from(self.frame).to_radians().sin_cos();
-        let mut camera = *camera;
-        let [x, y] = [0, 1].map(|a| camera.eye[a] - camera.target[a]);
-        camera.eye[0] = camera.target[0] + cos * x - sin * y;
-        camera.eye[1] = camera.target[1] + sin * x + cos * y;
+        let camera = camera.turned(self.frame.into());
         self.frame += 1;
         let view = camera.view(&facts.grid, self.settings.size, self.settings.point_size)?;
         Ok(Some(FrameRequest { view, fill: self.settings.fill, shading: Shading::default() }))

@@ -55,6 +55,14 @@ impl Camera {
         Camera::fit_from(bounds, grid, aspect, DVec3::new(0.35, -1.0, 0.75))
     }
 
+    /// The camera turned by so many degrees about the vertical through its target.
+    pub fn turned(&self, degrees: f64) -> Camera {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        let [x, y] = [0, 1].map(|a| self.eye[a] - self.target[a]);
+        let eye = [self.target[0] + cos * x - sin * y, self.target[1] + sin * x + cos * y, self.eye[2]];
+        Camera { eye, ..*self }
+    }
+
     /// As [`Camera::fit`], from the direction `from` (from the target towards the eye).
     pub fn fit_from(bounds: &Bounds, grid: &Grid, aspect: f64, from: DVec3) -> Camera {
         let fov_y_deg = fov_y_deg();

@@ -56,6 +56,32 @@ impl Attributes {
         wave_packet.clear();
     }
 
+    /// Bytes in all columns.
+    pub fn bytes(&self) -> u64 {
+        // By name, as in `clear`: a new column has to be counted here.
+        let Attributes {
+            returns,
+            flags,
+            classification,
+            scan_angle,
+            user_data,
+            point_source,
+            gps_time,
+            nir,
+            wave_packet,
+            extra,
+        } = self;
+        let single = [returns, flags, classification, user_data, extra];
+        let other = [
+            size_of_val(&scan_angle[..]),
+            size_of_val(&point_source[..]),
+            size_of_val(&gps_time[..]),
+            size_of_val(&nir[..]),
+            size_of_val(&wave_packet[..]),
+        ];
+        (single.iter().map(|column| column.len()).sum::<usize>() + other.iter().sum::<usize>()) as u64
+    }
+
     /// The extra bytes of point `i` of the batch; empty if there are none.
     pub fn extra_of(&self, i: usize, bytes_per_point: usize) -> &[u8] {
         self.extra.get(i * bytes_per_point..(i + 1) * bytes_per_point).unwrap_or_default()

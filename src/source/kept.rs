@@ -39,9 +39,12 @@ pub struct Kept {
 }
 
 impl Kept {
-    /// Keeps a decoder, whose bytes are unloaded, for [`Kept::take`].
-    pub fn put(&self, chunk: (u32, u32), mut started: Started) {
-        started.decoder = started.decoder.filter(|decoder| decoder.memory_bytes() <= MAX_BYTES);
+    /// Keeps a decoder that has decoded so many points, its bytes unloaded, for [`Kept::take`]; of the
+    /// chunk's points `first` were sent before it began (its raw first record). A decoder that is not even
+    /// past those (a record longer than what was loaded) is of no use.
+    pub fn put(&self, chunk: (u32, u32), first: u64, decoded: u64, decoder: Option<Box<dyn ChunkDecoder>>) {
+        let decoder = decoder.filter(|decoder| decoded >= first && decoder.memory_bytes() <= MAX_BYTES);
+        let started = Started { sent: first.max(decoded), decoder };
         if let Ok(mut all) = self.started.lock() {
             all.insert(chunk, started);
         }
@@ -61,5 +64,48 @@ impl Kept {
             }
             all = self.changed.wait_timeout(all, LOOK_UP).ok()?.0;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{
+        super::laz::{Decoded, End, Share},
+        *,
+    };
+
+    struct Dummy(usize);
+
+    impl ChunkDecoder for Dummy {
+        fn load(&mut self, _: Share, _: &mut Vec<Vec<u8>>) -> Result<(), String> {
+            Ok(())
+        }
+        fn decode(&mut self, _: &mut [u8]) -> Decoded {
+            Decoded { records: 0, end: End::NeedsBytes }
+        }
+        fn unload(&mut self, _: &mut Vec<Vec<u8>>) {}
+        fn unused(&self) -> Option<u64> {
+            None
+        }
+        fn memory_bytes(&self) -> usize {
+            self.0
+        }
+    }
+
+    #[test]
+    fn only_a_small_decoder_that_is_past_what_was_sent_goes_on() {
+        let kept = Kept::default();
+        let taken = |first, decoded, bytes| {
+            kept.put((0, 7), first, decoded, Some(Box::new(Dummy(bytes))));
+            let started = kept.take((0, 7), &AtomicBool::new(true)).unwrap();
+            (started.sent, started.decoder.is_some())
+        };
+        assert_eq!(taken(1, 250, 1_000), (250, true));
+        assert_eq!(taken(1, 1, 1_000), (1, true));
+        assert_eq!(taken(0, 0, 1_000), (0, true));
+        // Going on would number each point one too low.
+        assert_eq!(taken(1, 0, 1_000), (1, false));
+        assert_eq!(taken(1, 250, MAX_BYTES + 1), (250, false));
+        assert!(kept.take((0, 7), &AtomicBool::new(true)).is_none(), "cancelled, and taken before");
     }
 }

@@ -125,7 +125,7 @@ impl<'a> Worker<'a> {
         let (Part::Starts { start, end }, Layout::Laz(layout)) = (task.part, &plan.layout) else { return };
         for &chunk in &plan.order.sequence[start as usize..end as usize] {
             let sent = sent_first(plan, layout, chunk as usize);
-            self.shared.kept.put((task.file, chunk), Started { sent, decoder: None });
+            self.shared.kept.put((task.file, chunk), sent, 0, None);
         }
     }
 
@@ -193,7 +193,7 @@ impl<'a> Worker<'a> {
                     let mut run = Run { chunk: chunk_facts, next: 0, skip: first, end: target };
                     // Whatever happens, the full pass must learn what was sent.
                     let decoder = laz::catch(|| self.start(file, layout, &mut run, output)).ok().flatten();
-                    self.shared.kept.put((output.file, chunk), Started { sent: run.next.max(first), decoder });
+                    self.shared.kept.put((output.file, chunk), first, run.next, decoder);
                 }
             }
             (Part::Chunks { start, end }, Layout::Laz(layout)) => {

@@ -12,3 +12,5 @@ mod convergence;
 mod projection;
 mod shaders;
 mod twins;
+#[path = "../shared/wgsl.rs"]
+mod wgsl;

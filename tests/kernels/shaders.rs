@@ -8,32 +8,16 @@ use firstlight::{
     render::{FileColor, ShadingUniform, View},
     store::gpu::InsertionUniform,
 };
-use naga::valid::{Capabilities, ValidationFlags, Validator};
+use naga::valid::Capabilities;
 
-fn validate(source: &str, capabilities: Capabilities) -> Result<naga::Module, String> {
-    let module = naga::front::wgsl::parse_str(source).map_err(|error| error.emit_to_string(source))?;
-    let mut validator = Validator::new(ValidationFlags::all(), capabilities);
-    validator.validate(&module).map_err(|error| error.emit_to_string(source))?;
-    Ok(module)
-}
-
-fn capabilities(shader: &Shader) -> Capabilities {
-    [
-        (wgpu::Features::SHADER_INT64, Capabilities::SHADER_INT64),
-        (wgpu::Features::SHADER_INT64_ATOMIC_MIN_MAX, Capabilities::SHADER_INT64_ATOMIC_MIN_MAX),
-        (wgpu::Features::SHADER_INT64_ATOMIC_ALL_OPS, Capabilities::SHADER_INT64_ATOMIC_ALL_OPS),
-    ]
-    .into_iter()
-    .filter(|(feature, _)| shader.needs.contains(*feature))
-    .fold(Capabilities::empty(), |all, (_, capability)| all | capability)
-}
+use crate::wgsl::{capabilities, validate};
 
 #[test]
 fn all_modules_are_valid() {
     let failures: Vec<_> = shaders::ALL
         .iter()
         .filter_map(|shader| {
-            validate(&shader.source(), capabilities(shader)).err().map(|e| format!("{}:\n{e}", shader.name))
+            validate(&shader.source(), capabilities(shader.needs)).err().map(|e| format!("{}:\n{e}", shader.name))
         })
         .collect();
     assert!(failures.is_empty(), "{}", failures.join("\n"));
@@ -49,7 +33,7 @@ fn validation_can_fail() {
 
 /// Names and offsets of the members of a WGSL struct, and its size.
 fn layout_of(shader: &Shader, name: &str) -> (Vec<(String, u32)>, u32) {
-    let module = validate(&shader.source(), capabilities(shader)).expect("a valid module");
+    let module = validate(&shader.source(), capabilities(shader.needs)).expect("a valid module");
     let (_, ty) = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name)).expect("the struct exists");
     let naga::TypeInner::Struct { members, span } = &ty.inner else { panic!("{name} is a struct") };
     (members.iter().map(|m| (m.name.clone().unwrap_or_default(), m.offset)).collect(), *span)

@@ -11,3 +11,5 @@ mod failures;
 mod pictures;
 mod shaders;
 mod times;
+#[path = "../shared/wgsl.rs"]
+mod wgsl;

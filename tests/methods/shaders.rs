@@ -10,35 +10,18 @@ use firstlight::{
     },
     render::View,
 };
-use naga::valid::{Capabilities, ValidationFlags, Validator};
+use naga::valid::Capabilities;
+
+use crate::wgsl::{capabilities, validate};
 
 const ENCODINGS: [Encoding; 2] = [Encoding::Wide, Encoding::Packed];
-
-fn validate(source: &str, capabilities: Capabilities) -> Result<naga::Module, String> {
-    let module = naga::front::wgsl::parse_str(source).map_err(|error| error.emit_to_string(source))?;
-    let mut validator = Validator::new(ValidationFlags::all(), capabilities);
-    validator.validate(&module).map_err(|error| error.emit_to_string(source))?;
-    Ok(module)
-}
-
-fn capabilities(kernel: &Kernel) -> Capabilities {
-    [
-        (wgpu::Features::SHADER_INT64, Capabilities::SHADER_INT64),
-        (wgpu::Features::SHADER_INT64_ATOMIC_MIN_MAX, Capabilities::SHADER_INT64_ATOMIC_MIN_MAX),
-        (wgpu::Features::SHADER_INT64_ATOMIC_ALL_OPS, Capabilities::SHADER_INT64_ATOMIC_ALL_OPS),
-        (wgpu::Features::SUBGROUP, Capabilities::SUBGROUP),
-    ]
-    .into_iter()
-    .filter(|(feature, _)| kernel.needs.contains(*feature))
-    .fold(Capabilities::empty(), |all, (_, capability)| all | capability)
-}
 
 #[test]
 fn all_kernels_are_valid_in_both_encodings() {
     let mut failures = Vec::new();
     for kernel in modules::ALL {
         for (encoding, per_thread) in ENCODINGS.iter().flat_map(|&e| [(e, PerThread::One), (e, PerThread::Four)]) {
-            match validate(&kernel.source(encoding, per_thread), capabilities(kernel)) {
+            match validate(&kernel.source(encoding, per_thread), capabilities(kernel.needs)) {
                 Err(error) => failures.push(format!("{} {encoding:?}:\n{error}", kernel.name)),
                 Ok(module) => assert!(
                     module.entry_points.iter().any(|entry| entry.name == kernel.entry),
@@ -62,7 +45,7 @@ fn kernels_need_what_they_say() {
             (wgpu::Features::SUBGROUP, Capabilities::SUBGROUP),
         ] {
             if kernel.needs.contains(feature) {
-                let less = capabilities(kernel) - capability;
+                let less = capabilities(kernel.needs) - capability;
                 assert!(
                     validate(&kernel.source(Encoding::Wide, PerThread::One), less).is_err(),
                     "{} without {capability:?}",
@@ -101,7 +84,7 @@ fn names_are_unique() {
 /// Names and offsets of the members of a WGSL struct, and its size.
 fn layout_of(kernel: &Kernel, name: &str) -> (Vec<(String, u32)>, u32) {
     let module =
-        validate(&kernel.source(Encoding::Packed, PerThread::One), capabilities(kernel)).expect("a valid module");
+        validate(&kernel.source(Encoding::Packed, PerThread::One), capabilities(kernel.needs)).expect("a valid module");
     let (_, ty) = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name)).expect("the struct exists");
     let naga::TypeInner::Struct { members, span } = &ty.inner else { panic!("{name} is a struct") };
     (members.iter().map(|m| (m.name.clone().unwrap_or_default(), m.offset)).collect(), *span)

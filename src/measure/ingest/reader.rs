@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use crate::{
     measure::machine::processor_secs,
-    scene::{Attributes, PointBatch, SceneFacts},
+    scene::{PointBatch, SceneFacts},
     source::{self, DecoderChoice, Event, Fields, OpenOptions, Order, SourceError, SourceReport, ThreadTimes},
 };
 
@@ -173,7 +173,7 @@ pub fn read(
                 sample.secs_to_first_batch.get_or_insert(secs);
                 sample.points += batch.len() as u64;
                 sample.batches += 1;
-                sample.batch_bytes += bytes_of(&batch);
+                sample.batch_bytes += batch.bytes();
                 look(facts, &batch, secs);
                 stream.recycle(batch);
             }
@@ -193,36 +193,6 @@ pub fn read(
     }
 }
 
-/// Bytes in a batch's columns.
-fn bytes_of(batch: &PointBatch) -> u64 {
-    let PointBatch { file: _, positions, colors, records, attributes, stats: _ } = batch;
-    // By name: a new column has to be counted here.
-    let Attributes {
-        returns,
-        flags,
-        classification,
-        scan_angle,
-        user_data,
-        point_source,
-        gps_time,
-        nir,
-        wave_packet,
-        extra,
-    } = &**attributes;
-    let single: usize = [returns, flags, classification, user_data, extra].iter().map(|column| column.len()).sum();
-    let other = [
-        size_of_val(&positions[..]),
-        size_of_val(&colors[..]),
-        size_of_val(&records[..]),
-        size_of_val(&scan_angle[..]),
-        size_of_val(&point_source[..]),
-        size_of_val(&gps_time[..]),
-        size_of_val(&nir[..]),
-        size_of_val(&wave_packet[..]),
-    ];
-    (single + other.iter().sum::<usize>()) as u64
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -231,10 +201,10 @@ mod tests {
     fn all_columns_of_a_batch_are_counted() {
         let mut batch = PointBatch { positions: vec![[0; 3]; 2], colors: vec![[0; 4]; 2], ..Default::default() };
         batch.records = vec![0; 2];
-        assert_eq!(bytes_of(&batch), 2 * (12 + 8 + 4));
+        assert_eq!(batch.bytes(), 2 * (12 + 8 + 4));
         batch.attributes.gps_time = vec![0.0; 2];
         batch.attributes.extra = vec![0; 6];
-        assert_eq!(bytes_of(&batch), 2 * (12 + 8 + 4 + 8 + 3));
+        assert_eq!(batch.bytes(), 2 * (12 + 8 + 4 + 8 + 3));
     }
 
     #[test]

@@ -5,6 +5,7 @@
 //! model       how often each symbol came
 //! coder       the arithmetic decoder: bytes and models → symbols, bits
 //! integer     integers from symbols and bits, by context
+//! median      the running median that positions are predicted from
 //! sequential  chunks of formats 0 to 5 → raw records
 //! layered     chunks of formats 6 to 10 → raw records, of the fields wanted
 //! own         these two, given a chunk of a file
@@ -24,6 +25,7 @@ use super::{
 mod coder;
 mod integer;
 mod layered;
+mod median;
 mod model;
 mod own;
 mod panics;

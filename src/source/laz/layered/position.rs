@@ -1,7 +1,7 @@
 //! The first layer: scanner channel, returns, X and Y, and which other fields change. All other layers
 //! take their contexts from here.
 
-use super::super::{coder::Coder, integer::IntegerDecoder};
+use super::super::{coder::Coder, integer::IntegerDecoder, median::StreamingMedian};
 use super::contexts::{Entry, Facts, Lazy, made, models_bytes, put_i32};
 use super::stream::Part;
 use super::tables::{RETURN_LEVEL, RETURN_MAP};
@@ -21,8 +21,8 @@ struct Channel {
     dx: IntegerDecoder,
     dy: IntegerDecoder,
     /// By return class and by whether the time changed.
-    dx_medians: [Median; 12],
-    dy_medians: [Median; 12],
+    dx_medians: [StreamingMedian; 12],
+    dy_medians: [StreamingMedian; 12],
 }
 
 impl Channel {
@@ -39,8 +39,8 @@ impl Channel {
             return_number_same_time: None,
             dx: IntegerDecoder::new(32, 2),
             dy: IntegerDecoder::new(32, 22),
-            dx_medians: [Median::default(); 12],
-            dy_medians: [Median::default(); 12],
+            dx_medians: [StreamingMedian::NEW; 12],
+            dy_medians: [StreamingMedian::NEW; 12],
         }
     }
 
@@ -181,46 +181,5 @@ impl ItemContexts {
         let used = std::mem::replace(&mut self.used[usize::from(context & 3)], true);
         let last = if used && self.version == 3 { left } else { context };
         Entry { context, last, from: (!used).then_some(left) }
-    }
-}
-
-/// LASzip's running median of five.
-///
-/// The values are kept in order. A new one pushes out the greatest or the smallest, in turns that
-/// depend on the side of the median it falls: the result is the median only roughly, but the one that
-/// the encoder had.
-#[derive(Debug, Clone, Copy)]
-struct Median {
-    values: [i32; 5],
-    drop_greatest: bool,
-}
-
-impl Default for Median {
-    fn default() -> Self {
-        Median { values: [0; 5], drop_greatest: true }
-    }
-}
-
-impl Median {
-    #[inline]
-    fn get(&self) -> i32 {
-        self.values[2]
-    }
-
-    /// Without branches: which side a value falls on cannot be predicted.
-    #[inline]
-    fn add(&mut self, new: i32) {
-        let [v0, v1, v2, v3, v4] = self.values;
-        let drop = self.drop_greatest;
-        let pick = |greatest: i32, smallest: i32| if drop { greatest } else { smallest };
-        let kept = [pick(v0, v1), pick(v1, v2), pick(v2, v3), pick(v3, v4)];
-        self.values = [
-            kept[0].min(new),
-            kept[0].max(kept[1].min(new)),
-            kept[1].max(kept[2].min(new)),
-            kept[2].max(kept[3].min(new)),
-            kept[3].max(new),
-        ];
-        self.drop_greatest = (new < v2) | (!drop & (new == v2));
     }
 }

@@ -1,12 +1,11 @@
 //! The point item of formats 0 to 5 (`Point10`, 20 bytes): version 2 with contexts by return number,
 //! and the older version 1.
 
-use std::hint::select_unpredictable;
-
 use super::{
     super::{
         coder::Coder,
         integer::IntegerDecoder,
+        median::StreamingMedian,
         model::{LazyModels, Model},
     },
     Field,
@@ -69,27 +68,6 @@ const RETURN_MAP: [[u8; 8]; 8] = [
     [9, 10, 11, 12, 13, 14, 15, 14],
     [8, 9, 10, 11, 12, 13, 14, 15],
 ];
-
-/// The median of the last five numbers, roughly: every second number moves it up or down.
-#[derive(Debug, Clone, Copy)]
-struct StreamingMedian {
-    values: [i32; 5],
-    high: bool,
-}
-
-impl StreamingMedian {
-    const NEW: StreamingMedian = StreamingMedian { values: [0; 5], high: true };
-
-    /// In comes `v`, out goes the highest or the lowest; without a branch, as nobody knows which.
-    #[inline]
-    fn add(&mut self, v: i32) {
-        let [a, b, c, d, e] = self.values;
-        let kept = select_unpredictable(self.high, [a, b, c, d], [b, c, d, e]);
-        self.high = v < c || (v == c && !self.high);
-        let [a, b, c, d] = kept;
-        self.values = [v.min(a), v.min(b).max(a), v.min(c).max(b), v.min(d).max(c), v.max(d)];
-    }
-}
 
 /// Version 2.
 #[derive(Debug)]
@@ -171,13 +149,13 @@ impl Field<20> for Point10 {
         }
         let single = u32::from(n == 1);
         let median = &mut self.x_differences[m];
-        let difference = self.dx.decode(coder, bytes, median.values[2], single);
+        let difference = self.dx.decode(coder, bytes, median.get(), single);
         last.x = last.x.wrapping_add(difference);
         median.add(difference);
 
         let median = &mut self.y_differences[m];
         let k = self.dx.k();
-        let difference = self.dy.decode(coder, bytes, median.values[2], single + (k & !1).min(20));
+        let difference = self.dy.decode(coder, bytes, median.get(), single + (k & !1).min(20));
         last.y = last.y.wrapping_add(difference);
         median.add(difference);
 
