@@ -26,13 +26,21 @@ fn row_dot(row: vec4<f32>, d: vec3<f32>) -> f32 {
     return (row.x * d.x + row.y * d.y) + row.z * d.z;
 }
 
-fn project(position: vec3<i32>) -> Projected {
-    var projected: Projected;
+// Whole grid steps from the eye, rounded once.
+fn steps_from_eye(position: vec3<i32>) -> vec3<f32> {
+    if view.row_x.w != 0.0 {
+        return vec3<f32>(position - ((view.eye_high << vec3<u32>(16u)) + view.eye_low));
+    }
     // The upper and lower 16 bits are subtracted as integers: no difference overflows, and the only
     // rounding is that of the sum.
     let high = vec3<f32>((position >> vec3<u32>(16u)) - view.eye_high);
     let low = vec3<f32>((position & vec3<i32>(0xffff)) - view.eye_low);
-    let d = (high * 65536.0 + low) - view.eye_fraction;
+    return high * 65536.0 + low;
+}
+
+fn project(position: vec3<i32>) -> Projected {
+    var projected: Projected;
+    let d = steps_from_eye(position) - view.eye_fraction;
     let depth = row_dot(view.row_w, d);
     if !(depth > 0.0) {
         return projected;

@@ -1,25 +1,12 @@
-// One `plot` for each distinct pixel of a subgroup. WGSL has no partition instruction: each round, all
-// threads look at the pixel of the first that is left. There are as many rounds as distinct pixels, at
-// most as many as threads.
-@compute @workgroup_size(256)
-fn draw(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) thread: u32, @builtin(subgroup_size) lanes: u32) {
-    let fragment = fragment_of(line_index(group, groups, thread));
-    var is_left = fragment.pixel != NO_PIXEL;
-    for (var round = 0u; round < lanes; round++) {
-        let left = subgroupBallot(is_left);
-        if all(left == vec4<u32>(0u)) {
-            break;
+// One atomic operation for each distinct pixel of a subgroup. WGSL has no partition instruction: each
+// round, the threads look at the pixel of the first that is left. There are as many rounds as distinct
+// pixels, at most as many as threads.
+fn plot(pixel: u32, depth: f32, slot: u32) {
+    var is_left = true;
+    while is_left {
+        if pixel == subgroupBroadcastFirst(pixel) {
+            put_front(pixel, depth, slot);
+            is_left = false;
         }
-        var word = 0u;
-        while left[word] == 0u {
-            word++;
-        }
-        let pixel = subgroupShuffle(fragment.pixel, 32u * word + firstTrailingBit(left[word]));
-        let is_here = is_left && fragment.pixel == pixel;
-        let front = front_slot(is_here, fragment);
-        if is_here && fragment.slot == front {
-            plot(fragment.pixel, fragment.depth, fragment.slot);
-        }
-        is_left = is_left && !is_here;
     }
 }

@@ -8,7 +8,7 @@ struct Depth40 {
     unused_b: u32,
 }
 
-@group(0) @binding(6) var<uniform> depth40: Depth40;
+@group(0) @binding(7) var<uniform> depth40: Depth40;
 
 struct Int128 {
     high: u64,

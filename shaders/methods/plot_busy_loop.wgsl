@@ -9,8 +9,8 @@
 // that depth, or of a point in front of it: a thread that is behind leaves without the lock, also when
 // it is equally deep.
 @group(0) @binding(1) var<storage, read_write> words: array<atomic<u32>>;
-@group(0) @binding(3) var<storage, read_write> locks: array<atomic<u32>>;
-@group(0) @binding(4) var<storage, read_write> counters: array<atomic<u32>>;
+@group(0) @binding(4) var<storage, read_write> locks: array<atomic<u32>>;
+@group(0) @binding(5) var<storage, read_write> counters: array<atomic<u32>>;
 
 override spins: u32 = 4096u;
 

@@ -4,7 +4,7 @@
 
 fn plot(pixel: u32, depth: f32, slot: u32) {
     let word = word_of(slot);
-    if word < atomicLoad(&words[pixel]) {
+    if u32(word >> 32u) <= seen[pixel].y {
         atomicMin(&words[pixel], word);
     }
 }

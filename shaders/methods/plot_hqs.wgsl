@@ -1,5 +1,5 @@
 // Four 32-bit sums: red, green, blue, fragments. Exact to 16.8 million fragments in a pixel.
-@group(0) @binding(2) var<storage, read_write> sums: array<atomic<u32>>;
+@group(0) @binding(3) var<storage, read_write> sums: array<atomic<u32>>;
 
 fn plot(pixel: u32, depth: f32, slot: u32) {
     if is_blended(pixel, depth) {

@@ -5,8 +5,8 @@
 // Later fragments that looked before the hand-over still add to the word; it is no longer read. Exact
 // while fewer than 65,281 threads are between their look and their addition in one pixel, where the
 // count would start again.
-@group(0) @binding(2) var<storage, read_write> sums: array<atomic<u32>>;
-@group(0) @binding(3) var<storage, read_write> accumulators: array<atomic<u64>>;
+@group(0) @binding(3) var<storage, read_write> sums: array<atomic<u32>>;
+@group(0) @binding(4) var<storage, read_write> accumulators: array<atomic<u64>>;
 
 const HAND_OVER: u32 = 255u;
 

@@ -1,7 +1,7 @@
 // Reads all positions, four a thread, and does nothing with them: no method that looks at every point is
 // faster. The comparison, which holds for one sum in four billion, keeps the compiler from leaving the
 // reads out.
-@group(0) @binding(4) var<storage, read_write> counters: array<atomic<u32>>;
+@group(0) @binding(5) var<storage, read_write> counters: array<atomic<u32>>;
 
 fn mixed(local: u32) -> u32 {
     let word = bitcast<vec3<u32>>(load_position(min(local, page.len - 1u)));

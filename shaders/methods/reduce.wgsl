@@ -1,24 +1,19 @@
-// A subgroup whose points all fall into one pixel plots one of them. Otherwise neighbouring threads
-// compare, and of two points in one pixel only the front one is plotted. For any subgroup size.
-@compute @workgroup_size(256)
-fn draw(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) thread: u32, @builtin(subgroup_invocation_id) lane: u32, @builtin(subgroup_size) lanes: u32) {
-    let fragment = fragment_of(line_index(group, groups, thread));
-    let is_shown = fragment.pixel != NO_PIXEL;
-    let pixel = subgroupMin(fragment.pixel);
-    if subgroupAll(!is_shown || fragment.pixel == pixel) {
-        if front_slot(is_shown, fragment) == fragment.slot && is_shown {
-            plot(fragment.pixel, fragment.depth, fragment.slot);
-        }
+// A subgroup whose points all fall into one pixel draws one of them. Otherwise neighbouring threads
+// compare, and of two points in one pixel only the front one is drawn. For any subgroup size.
+fn put_reduced(pixel: u32, depth: f32, slot: u32) {
+    if subgroupAll(pixel == subgroupBroadcastFirst(pixel)) {
+        put_front(pixel, depth, slot);
         return;
     }
-    let other_pixel = subgroupShuffleXor(fragment.pixel, 1u);
-    let other_bits = subgroupShuffleXor(bitcast<u32>(fragment.depth), 1u);
-    let other_slot = subgroupShuffleXor(fragment.slot, 1u);
-    let bits = bitcast<u32>(fragment.depth);
-    // A subgroup of an odd size has a thread without a neighbour.
-    let has_other = (lane ^ 1u) < lanes && other_pixel == fragment.pixel;
-    let is_behind = has_other && (other_bits < bits || (other_bits == bits && other_slot < fragment.slot));
-    if is_shown && !is_behind {
-        plot(fragment.pixel, fragment.depth, fragment.slot);
+    let bits = bitcast<u32>(depth);
+    let other_pixel = subgroupShuffleXor(pixel, 1u);
+    let other_bits = subgroupShuffleXor(bits, 1u);
+    let other_slot = subgroupShuffleXor(slot, 1u);
+    // The neighbour may have no point in the picture, or not exist.
+    let other = lane ^ 1u;
+    let is_there = ((subgroupBallot(true)[other / 32u] >> (other % 32u)) & 1u) == 1u;
+    let is_behind = other_bits < bits || (other_bits == bits && other_slot < slot);
+    if !(is_there && other_pixel == pixel && is_behind) {
+        put(pixel, depth, slot);
     }
 }

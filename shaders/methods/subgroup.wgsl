@@ -1,29 +1,12 @@
-// What a thread of a subgroup holds. All threads stay to the end, since they exchange values: one
-// without a point has no pixel.
-struct Fragment {
-    pixel: u32,
-    depth: f32,
-    slot: u32,
-}
-
-const NO_PIXEL: u32 = 0xffffffffu;
+// Points of a subgroup that meet in one pixel. Only the threads take part that come here at the same time.
 const NO_SLOT: u32 = 0xffffffffu;
 
-fn fragment_of(local: u32) -> Fragment {
-    var fragment = Fragment(NO_PIXEL, 0.0, NO_SLOT);
-    if local < page.len {
-        let point = project(load_position(local));
-        if point.is_inside {
-            fragment = Fragment(u32(point.corner.y) * view.width + u32(point.corner.x), point.depth, page.first + local);
-        }
-    }
-    return fragment;
-}
-
-// The lowest slot of the smallest depth among the threads that take part. Depths are positive: their
-// bits have their order.
-fn front_slot(takes_part: bool, fragment: Fragment) -> u32 {
-    let bits = select(0xffffffffu, bitcast<u32>(fragment.depth), takes_part);
+// Draws the front one of all points here, which are of one pixel: of the smallest depth, whose bits have
+// their order, the lowest slot.
+fn put_front(pixel: u32, depth: f32, slot: u32) {
+    let bits = bitcast<u32>(depth);
     let front = subgroupMin(bits);
-    return subgroupMin(select(NO_SLOT, fragment.slot, takes_part && bits == front));
+    if slot == subgroupMin(select(NO_SLOT, slot, bits == front)) {
+        put(pixel, depth, slot);
+    }
 }

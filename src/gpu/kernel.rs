@@ -137,14 +137,23 @@ pub fn uniform(device: &wgpu::Device, label: &str, size: u64) -> wgpu::Buffer {
 /// Rows of workgroups that have at least `threads` threads, as `line_index` in `shaders/group.wgsl`
 /// numbers them.
 pub fn groups_for(threads: u32) -> [u32; 2] {
-    let groups = threads.div_ceil(GROUP);
+    rows_of(threads.div_ceil(GROUP))
+}
+
+/// Rows of at least so many workgroups.
+fn rows_of(groups: u32) -> [u32; 2] {
     let rows = groups.div_ceil(MAX_GROUPS).max(1);
     [groups.div_ceil(rows), rows]
 }
 
 /// Dispatches at least `threads` threads.
 pub fn dispatch(pass: &mut wgpu::ComputePass<'_>, threads: u32) {
-    let [x, y] = groups_for(threads);
+    dispatch_groups(pass, threads.div_ceil(GROUP));
+}
+
+/// Dispatches at least so many workgroups, numbered row by row.
+pub fn dispatch_groups(pass: &mut wgpu::ComputePass<'_>, groups: u32) {
+    let [x, y] = rows_of(groups);
     if x > 0 {
         pass.dispatch_workgroups(x, y, 1);
     }

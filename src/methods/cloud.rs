@@ -42,16 +42,11 @@ pub struct Packing {
 }
 
 impl Packing {
-    /// The smallest packing that holds all positions.
+    /// The smallest packing of a box with this lowest and highest corner.
     ///
     /// # Errors
     /// [`MethodError::TooWide`] if it takes more than 64 bits.
-    pub fn of(positions: &[[i32; 3]]) -> Result<Packing, MethodError> {
-        let Some(&first) = positions.first() else { return Ok(Packing { base: [0; 3], bits: [0; 3] }) };
-        let corner = |pick: fn(i32, i32) -> i32| {
-            positions.iter().fold(first, |corner, position| std::array::from_fn(|a| pick(corner[a], position[a])))
-        };
-        let (low, high) = (corner(i32::min), corner(i32::max));
+    pub fn of([low, high]: [[i32; 3]; 2]) -> Result<Packing, MethodError> {
         let bits: [u32; 3] = std::array::from_fn(|a| u32::BITS - high[a].abs_diff(low[a]).leading_zeros());
         if bits.iter().sum::<u32>() > u64::BITS {
             return Err(MethodError::TooWide { bits });
@@ -73,6 +68,14 @@ impl Packing {
 }
 
 impl Cloud {
+    /// Lowest and highest corner, or the origin twice if there are no points.
+    pub fn extent(&self) -> [[i32; 3]; 2] {
+        let first = self.positions.first().copied().unwrap_or_default();
+        self.positions.iter().fold([first; 2], |[low, high], p| {
+            [std::array::from_fn(|a| low[a].min(p[a])), std::array::from_fn(|a| high[a].max(p[a]))]
+        })
+    }
+
     /// Words of `range` as they are uploaded: points, and colours if those lie apart.
     pub(super) fn words(&self, range: std::ops::Range<usize>, packing: Option<&Packing>) -> (Vec<u32>, Vec<u32>) {
         let points = self.positions[range.clone()].iter();
@@ -96,7 +99,9 @@ mod tests {
 
     #[test]
     fn bits_are_those_of_the_box() {
-        let bits = |positions: &[[i32; 3]]| Packing::of(positions).map(|p| p.bits);
+        let bits = |positions: &[[i32; 3]]| {
+            Packing::of(Cloud { positions: positions.to_vec(), colors: vec![] }.extent()).map(|p| p.bits)
+        };
         assert_eq!(bits(&[]).unwrap_or([9; 3]), [0, 0, 0]);
         assert_eq!(bits(&[[5, -5, i32::MIN]]).unwrap_or([9; 3]), [0, 0, 0]);
         assert_eq!(bits(&[[0, 0, 0], [1, 255, 256]]).unwrap_or([9; 3]), [1, 8, 9]);

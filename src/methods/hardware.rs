@@ -93,13 +93,14 @@ impl Textures {
 fn pipeline(device: &wgpu::Device, targets: &Targets, pages: &Pages, pipelines: &Pipelines) -> wgpu::RenderPipeline {
     let module = pipelines.module(device, &modules::POINTS);
     let groups = [&targets.layout_view, &pages.layout];
+    let constants = pipelines.constants();
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some("points"),
         layout: Some(&kernel::pipeline_layout(device, "points", &groups)),
         vertex: wgpu::VertexState {
             module: &module,
             entry_point: Some("place"),
-            compilation_options: Default::default(),
+            compilation_options: wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() },
             buffers: &[],
         },
         primitive: wgpu::PrimitiveState { topology: wgpu::PrimitiveTopology::PointList, ..Default::default() },

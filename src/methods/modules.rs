@@ -1,7 +1,7 @@
 //! The shader modules of the methods, as lists of files. Each has the encoding's way to load a point in
 //! front, so that there are two of each.
 
-use super::cloud::Encoding;
+use super::{Launch, cloud::Encoding};
 use crate::gpu::{
     kernel::GROUP,
     shaders::{INT64_ATOMICS, INT64_MIN_MAX},
@@ -23,33 +23,42 @@ macro_rules! wgsl {
     };
 }
 
-/// How many points a thread draws, for kernels whose threads know nothing of each other.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum PerThread {
-    One,
-    Four,
-}
-
 const EACH: &str = wgsl!("methods/each");
-const FOUR: &str = wgsl!("methods/four");
 const READ_FOUR: &str = wgsl!("methods/read");
+const LANE: &str = wgsl!("methods/lane");
 const PRELUDE: [&str; 3] = [wgsl!("group"), wgsl!("project"), wgsl!("methods/page")];
 
 impl Kernel {
     /// The whole module for points in that encoding.
-    pub fn source(&self, encoding: Encoding, per_thread: PerThread) -> String {
+    pub fn source(&self, encoding: Encoding, launch: Launch) -> String {
         let load = match encoding {
             Encoding::Wide => wgsl!("methods/load_wide"),
             Encoding::Packed => wgsl!("methods/load_packed"),
         };
-        let choose = |&part: &&'static str| if part == EACH && per_thread == PerThread::Four { FOUR } else { part };
-        PRELUDE.concat() + load + &self.parts.iter().map(choose).collect::<String>()
+        let fill_in = |&part: &&'static str| if part == EACH { self.entry_for_points(launch) } else { part.into() };
+        PRELUDE.concat() + load + &self.parts.iter().map(fill_in).collect::<String>()
     }
 
-    /// Threads for so many points or pixels.
-    pub fn threads(&self, count: u32, per_thread: PerThread) -> u32 {
-        let takes_four = self.parts.contains(&EACH) && per_thread == PerThread::Four || self.parts.contains(&READ_FOUR);
-        if takes_four { count.div_ceil(4 * GROUP) * GROUP } else { count }
+    fn entry_for_points(&self, launch: Launch) -> String {
+        let entry = launch.fill_in(EACH);
+        if !self.parts.contains(&LANE) {
+            return entry;
+        }
+        let parameter = "@builtin(local_invocation_index) thread: u32";
+        entry
+            .replace(parameter, &format!("{parameter}, @builtin(subgroup_invocation_id) own_lane: u32"))
+            .replace("    let first = block_of", "    lane = own_lane;\n    let first = block_of")
+    }
+
+    /// Workgroups for so many points or pixels.
+    pub fn groups(&self, count: u32, launch: Launch) -> u32 {
+        if self.parts.contains(&EACH) {
+            launch.groups(count)
+        } else if self.parts.contains(&READ_FOUR) {
+            count.div_ceil(4 * GROUP)
+        } else {
+            count.div_ceil(GROUP)
+        }
     }
 }
 
@@ -61,36 +70,60 @@ macro_rules! kernel {
 }
 
 const NOTHING: wgpu::Features = wgpu::Features::empty();
+/// 64-bit numbers, without their atomics.
+const INT64: wgpu::Features = wgpu::Features::SHADER_INT64;
 const MIN_IN_SUBGROUPS: wgpu::Features = INT64_MIN_MAX.union(wgpu::Features::SUBGROUP);
-const ALL_IN_SUBGROUPS: wgpu::Features = INT64_ATOMICS.union(wgpu::Features::SUBGROUP);
 
 // One pass over the points each.
 kernel!(JUST_SET, "draw", NOTHING, "methods/plot_just_set", "methods/each");
-kernel!(ATOMIC_MIN, "draw", INT64_MIN_MAX, "plot_64_min", "methods/each");
-kernel!(EARLY_Z, "draw", INT64_ATOMICS, "plot_64", "methods/each");
-kernel!(REDUCE, "draw", MIN_IN_SUBGROUPS, "plot_64_min", "methods/subgroup", "methods/reduce");
-kernel!(REDUCE_EARLY_Z, "draw", ALL_IN_SUBGROUPS, "plot_64", "methods/subgroup", "methods/reduce");
-kernel!(DEDUP, "draw", MIN_IN_SUBGROUPS, "plot_64_min", "methods/subgroup", "methods/dedup");
+kernel!(ATOMIC_MIN, "draw", INT64_MIN_MAX, "put_64", "plot_each", "methods/each");
+kernel!(EARLY_Z, "draw", INT64_MIN_MAX, "put_64", "early", "plot_early", "methods/each");
+kernel!(
+    REDUCE,
+    "draw",
+    MIN_IN_SUBGROUPS,
+    "put_64",
+    "methods/lane",
+    "methods/subgroup",
+    "methods/reduce",
+    "methods/plot_reduce",
+    "methods/each"
+);
+kernel!(
+    REDUCE_EARLY_Z,
+    "draw",
+    MIN_IN_SUBGROUPS,
+    "put_64",
+    "early",
+    "methods/lane",
+    "methods/subgroup",
+    "methods/reduce",
+    "methods/plot_reduce_early",
+    "methods/each"
+);
+kernel!(DEDUP, "draw", MIN_IN_SUBGROUPS, "put_64", "methods/subgroup", "methods/dedup", "methods/each");
 kernel!(BUSY_LOOP, "draw", NOTHING, "methods/depth_clip", "methods/plot_busy_loop", "methods/each");
 kernel!(BUSY_LOOP_N, "draw", NOTHING, "methods/depth_normalized", "methods/plot_busy_loop", "methods/each");
 kernel!(RACY, "draw", NOTHING, "methods/plot_racy", "methods/each");
-kernel!(DEPTH_32, "draw", NOTHING, "plot_depth_32", "methods/each");
-kernel!(SLOT_32, "draw", NOTHING, "plot_slot_32", "methods/each");
+kernel!(DEPTH_32, "draw", NOTHING, "early", "plot_depth_32", "methods/each");
+kernel!(SLOT_32, "draw", NOTHING, "early", "plot_slot_32", "methods/each");
 kernel!(
     DEPTH40,
     "draw",
-    INT64_ATOMICS,
+    INT64_MIN_MAX,
     "methods/depth40",
     "methods/depth40_uniform",
+    "early",
     "methods/plot_depth40",
     "methods/each"
 );
 kernel!(
     DEPTH40_RANGES,
     "draw",
-    INT64_ATOMICS,
+    INT64_MIN_MAX,
     "methods/depth40",
     "methods/depth40_ranges",
+    "early",
     "methods/plot_depth40",
     "methods/each"
 );
@@ -114,7 +147,7 @@ kernel!(DEPTH_OF_POINT, "depth_of_point", NOTHING, "methods/targets", "methods/i
 kernel!(
     IDENTIFY_DEPTH40,
     "draw",
-    INT64_ATOMICS,
+    INT64,
     "methods/depth40",
     "methods/depth40_uniform",
     "methods/identify_depth40",
@@ -123,7 +156,7 @@ kernel!(
 kernel!(
     IDENTIFY_DEPTH40_RANGES,
     "draw",
-    INT64_ATOMICS,
+    INT64,
     "methods/depth40",
     "methods/depth40_ranges",
     "methods/identify_depth40",

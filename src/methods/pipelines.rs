@@ -3,8 +3,9 @@
 use std::collections::HashMap;
 
 use super::{
+    Launch, Packing,
     cloud::Encoding,
-    modules::{self, Kernel, PerThread},
+    modules::{self, Kernel},
 };
 use crate::gpu::kernel;
 
@@ -20,19 +21,28 @@ pub struct Pipelines {
     encoding: Encoding,
     made: HashMap<&'static str, wgpu::ComputePipeline>,
     spins: u32,
-    pub per_thread: PerThread,
+    packing: Option<Packing>,
+    pub launch: Launch,
 }
 
 impl Pipelines {
-    pub fn new(encoding: Encoding, is_software: bool) -> Pipelines {
+    /// `packing` is that of the packed encoding.
+    pub fn new(packing: Option<Packing>, is_software: bool) -> Pipelines {
         let spins = if is_software { SOFTWARE_SPINS } else { SPINS };
-        Pipelines { encoding, made: HashMap::new(), spins, per_thread: PerThread::One }
+        let encoding = if packing.is_some() { Encoding::Packed } else { Encoding::Wide };
+        Pipelines { encoding, made: HashMap::new(), spins, packing, launch: Launch::default() }
+    }
+
+    /// What a module of points is compiled with.
+    pub fn constants(&self) -> Vec<(&'static str, f64)> {
+        let names = ["bits_x", "bits_y", "bits_z"];
+        self.packing.iter().flat_map(|packing| names.into_iter().zip(packing.bits.map(f64::from))).collect()
     }
 
     pub fn module(&self, device: &wgpu::Device, kernel: &Kernel) -> wgpu::ShaderModule {
         device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(kernel.name),
-            source: wgpu::ShaderSource::Wgsl(kernel.source(self.encoding, self.per_thread).into()),
+            source: wgpu::ShaderSource::Wgsl(kernel.source(self.encoding, self.launch).into()),
         })
     }
 
@@ -41,17 +51,16 @@ impl Pipelines {
         if self.made.contains_key(kernel.name) {
             return;
         }
-        let spins = [("spins", f64::from(self.spins))];
-        let is_busy = [modules::BUSY_LOOP.name, modules::BUSY_LOOP_N.name].contains(&kernel.name);
+        let mut constants = self.constants();
+        if [modules::BUSY_LOOP.name, modules::BUSY_LOOP_N.name].contains(&kernel.name) {
+            constants.push(("spins", f64::from(self.spins)));
+        }
         let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some(kernel.name),
             layout: Some(&kernel::pipeline_layout(device, kernel.name, groups)),
             module: &self.module(device, kernel),
             entry_point: Some(kernel.entry),
-            compilation_options: wgpu::PipelineCompilationOptions {
-                constants: if is_busy { &spins } else { &[] },
-                ..Default::default()
-            },
+            compilation_options: wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() },
             cache: None,
         });
         self.made.insert(kernel.name, pipeline);
@@ -61,8 +70,8 @@ impl Pipelines {
         self.made.get(kernel.name)
     }
 
-    pub fn set_per_thread(&mut self, per_thread: PerThread) {
-        self.per_thread = per_thread;
+    pub fn set_launch(&mut self, launch: Launch) {
+        self.launch = launch;
         self.made.clear();
     }
 

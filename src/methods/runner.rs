@@ -1,9 +1,9 @@
 //! Draws and times methods on a cloud that is on the device.
 
 use super::{
-    Cloud, Drawn, Encoding, FrameTime, Gpu, Method, MethodError, NO_POINT, depth40,
+    Cloud, Drawn, Encoding, FrameTime, Gpu, Launch, Method, MethodError, NO_POINT, depth40,
     hardware::Textures,
-    modules::{self, Kernel, PerThread},
+    modules::{self, Kernel},
     pages::Pages,
     pipelines::Pipelines,
     plan::{Identify, Plan, Resolve, Rule, Step},
@@ -42,10 +42,11 @@ impl Runner {
         size: [u32; 2],
         page_points: Option<u32>,
     ) -> Result<Runner, MethodError> {
+        let pages = Pages::new(&gpu.device, &gpu.queue, cloud, encoding, page_points)?;
         Ok(Runner {
             targets: Targets::new(&gpu.device, size)?,
-            pages: Pages::new(&gpu.device, &gpu.queue, cloud, encoding, page_points)?,
-            pipelines: Pipelines::new(encoding, gpu.is_software()),
+            pipelines: Pipelines::new(pages.packing, gpu.is_software()),
+            pages,
             gpu: gpu.clone(),
             encoding,
         })
@@ -67,9 +68,11 @@ impl Runner {
         self.pipelines.set_spins(spins);
     }
 
-    /// How many points a thread draws; one unless told. The subgroup methods always take one.
-    pub fn set_points_per_thread(&mut self, per_thread: PerThread) {
-        self.pipelines.set_per_thread(per_thread);
+    /// How the kernels that draw points are launched; [`Launch::TUNED`] unless told.
+    pub fn set_launch(&mut self, launch: Launch) {
+        self.pipelines.set_launch(launch);
+        // They have the hardware's pipeline, and its module the launch.
+        self.targets.textures = None;
     }
 
     /// Whether the device can run a method.
@@ -126,7 +129,7 @@ impl Runner {
     /// Makes the pipelines of a method and uploads the view.
     fn prepare(&mut self, method: &Method, view: &View) -> Result<(), MethodError> {
         self.supports(method).map_err(MethodError::Unsupported)?;
-        self.targets.set_view(&self.gpu.queue, view)?;
+        self.targets.set_view(&self.gpu.queue, view, self.pages.extent)?;
         let plan = method.plan;
         if matches!(plan.resolve, Resolve::Textures) && self.targets.textures.is_none() {
             let textures = Textures::new(&self.gpu.device, &self.targets, &self.pages, &self.pipelines);
@@ -231,7 +234,7 @@ impl Runner {
         pass.set_pipeline(pipeline);
         for page in &self.pages.pages {
             pass.set_bind_group(1, &page.bind, &[]);
-            kernel::dispatch(pass, kernel.threads(page.len, self.pipelines.per_thread));
+            kernel::dispatch_groups(pass, kernel.groups(page.len, self.pipelines.launch));
         }
     }
 }

@@ -102,7 +102,7 @@ pub const METHODS: &[Method] = &[
         ..row("just-set", "plain store, no depth: the upper bound", PAPER_2021, Needs::NOTHING, &plans::JUST_SET)
     },
     row("atomic-min", "64-bit atomicMin of depth and point", PAPER_2019, Needs::INT64_MIN, &plans::ATOMIC_MIN),
-    row("early-z", "atomic-min after a plain read of the word", PAPER_2021, Needs::INT64_ALL, &plans::EARLY_Z),
+    row("early-z", "atomic-min after a plain read of the depth", PAPER_2021, Needs::INT64_MIN, &plans::EARLY_Z),
     row(
         "reduce",
         "atomic-min of one point for a subgroup in one pixel, else of the front one of neighbours",
@@ -110,7 +110,7 @@ pub const METHODS: &[Method] = &[
         Needs::INT64_MIN.and_subgroups(),
         &plans::REDUCE,
     ),
-    row("reduce-early-z", "reduce and early-z", PAPER_2021, Needs::INT64_ALL.and_subgroups(), &plans::REDUCE_EARLY_Z),
+    row("reduce-early-z", "early-z, then reduce", PAPER_2021, Needs::INT64_MIN.and_subgroups(), &plans::REDUCE_EARLY_Z),
     row(
         "dedup",
         "one atomic-min for each distinct pixel of a subgroup",
@@ -147,14 +147,14 @@ pub const METHODS: &[Method] = &[
         "depth40",
         "40 bits of depth, 1 mm everywhere, above 24 of colour",
         PAPER_2019,
-        Needs::INT64_ALL,
+        Needs::INT64_MIN,
         &plans::DEPTH40,
     ),
     row(
         "depth40-ranges",
         "depth40 with 1 nm to 10 m, 1 µm to 10 km, 1 mm beyond",
         PAPER_2019,
-        Needs::INT64_ALL,
+        Needs::INT64_MIN,
         &plans::DEPTH40_RANGES,
     ),
     Method {

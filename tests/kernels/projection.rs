@@ -127,6 +127,41 @@ fn a_projection_of_rounded_coordinates_does_not() {
     assert!(other > seen / 100);
 }
 
+/// Kernels subtract the eye's position once where that fits 32 bits, else in halves: the same bits.
+#[test]
+fn one_subtraction_gives_the_bits_of_two() {
+    let grid = Grid { scale: [1.0; 3], origin: [0.0; 3] };
+    let at = |eye: [f64; 3]| {
+        let target = [eye[0], eye[1] + 1000.0, eye[2]];
+        Camera { eye, target, up: [0.0, 0.0, 1.0], fov_y_deg: 60.0 }.view(&grid, SIZE, 1).unwrap()
+    };
+    let is_near = |view: View, low: i32, high: i32| view.within([low; 3], [high; 3]).row_x[3] != 0.0;
+    for (eye, low, high, expected) in [
+        (0.0, i32::MIN, i32::MAX, true),
+        (0.25, i32::MIN, i32::MAX, true),
+        (-1.0, 0, i32::MAX - 1, true),
+        (-1.0, 0, i32::MAX, false),
+        (1.0, i32::MIN + 1, 0, true),
+        (1.0, i32::MIN, 0, false),
+        (2_147_483_647.0, -1, 100, true),
+        (2_147_483_648.0, 0, 100, false),
+        (-7e12, 0, 100, false),
+    ] {
+        assert_eq!(is_near(at([eye; 3]), low, high), expected, "{eye}, {low} to {high}");
+    }
+    for eye in [0.0, 1234.0, -70_000.0, 1.5e9, -1.9e9] {
+        let view = at([eye, eye, eye]);
+        for i in 0..POINTS {
+            // Differences of all sizes, so that many need rounding.
+            let difference = noise(i, 0).cast_signed() >> (i % 32);
+            let Some(position) = (eye as i32).checked_add(difference) else { continue };
+            let high = ((position >> 16) - view.eye_high[0]) as f32;
+            let low = ((position & 0xffff) - view.eye_low[0]) as f32;
+            assert_eq!((high * 65536.0 + low).to_bits(), (difference as f32).to_bits(), "{position} from {eye}");
+        }
+    }
+}
+
 #[test]
 fn degenerate_cameras() {
     let grid = Grid { scale: [0.001; 3], origin: UTM };

@@ -162,7 +162,7 @@ fn a_device_without_features_says_so_and_runs_the_rest() {
         assert!(runner.time(method, &clouds::overview(size), 2).unwrap()[0].undivided_secs.is_some());
     }
     let missing = runner.supports(by_name("reduce-early-z").unwrap()).unwrap_err();
-    assert!(missing.ends_with("cannot run reduce-early-z: it lacks 64-bit atomics, subgroups"), "{missing}");
+    assert!(missing.ends_with("cannot run reduce-early-z: it lacks 64-bit atomic minimum, subgroups"), "{missing}");
     let error = runner.draw(by_name("depth40").unwrap(), &clouds::overview(size)).unwrap_err();
     assert!(matches!(error, MethodError::Unsupported(_)), "{error}");
     let no_subgroups = Gpu::without(wgpu::Features::SUBGROUP).unwrap();

@@ -1,7 +1,7 @@
 //! The picture of each method against its twin's.
 
 use firstlight::{
-    methods::{Cloud, Drawn, Encoding, Gpu, METHODS, Method, NO_POINT, PerThread, Runner, by_name, twin},
+    methods::{Cloud, Drawn, Encoding, Gpu, Launch, METHODS, Method, NO_POINT, Runner, by_name, twin},
     render::View,
 };
 
@@ -72,17 +72,16 @@ fn sizes_around_groups_and_pages() {
     let size = [33, 31];
     for points in [0, 1, 2, 7, 8, 9, 31, 32, 33, 63, 65, 255, 256, 257, 999, 1000, 1001, 4097] {
         let cloud = clouds::cube(points);
-        for (encoding, page, per_thread) in [
-            (Encoding::Wide, None, PerThread::One),
-            (Encoding::Packed, Some(1000), PerThread::Four),
-            (Encoding::Wide, Some(63), PerThread::One),
+        for (encoding, page, launch) in [
+            (Encoding::Wide, None, Launch::PLAIN),
+            (Encoding::Packed, Some(1000), Launch::TUNED),
+            (Encoding::Wide, Some(63), Launch { threads: 128, points: 2, is_spread: true }),
         ] {
             let mut runner = Runner::with_pages(&gpu, &cloud, encoding, size, page).unwrap();
-            runner.set_points_per_thread(per_thread);
+            runner.set_launch(launch);
             assert_eq!(runner.points(), points as u64);
             for method in methods(&gpu) {
-                let case =
-                    format!("{points} points, {encoding:?}, pages {page:?}, {per_thread:?} a thread, {}", method.name);
+                let case = format!("{points} points, {encoding:?}, pages {page:?}, {launch}, {}", method.name);
                 check(&gpu, &mut runner, method, &cloud, &clouds::overview(size), &case);
             }
         }
@@ -115,12 +114,10 @@ fn a_dispatch_of_several_rows() {
     let mut runner = Runner::new(&gpu, &cloud, Encoding::Packed, size).unwrap();
     // The eye is between the two.
     let view = clouds::along_y(size, 0.000_5);
-    for (name, per_thread) in
-        [("early-z", PerThread::One), ("reduce", PerThread::One), ("two-pass-32", PerThread::Four)]
-    {
+    for (name, launch) in [("early-z", Launch::PLAIN), ("reduce", Launch::TUNED), ("two-pass-32", Launch::TUNED)] {
         let method = by_name(name).unwrap();
         if gpu.supports(method).is_ok() {
-            runner.set_points_per_thread(per_thread);
+            runner.set_launch(launch);
             let drawn = runner.draw(method, &view).unwrap();
             let shown: Vec<u32> = drawn.point.iter().copied().filter(|&point| point != NO_POINT).collect();
             assert_eq!(shown, [points as u32 - 1], "{name}");

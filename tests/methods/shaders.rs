@@ -5,7 +5,7 @@ use std::mem::offset_of;
 
 use firstlight::{
     methods::{
-        Depth40, Encoding, METHODS, PageUniform, PerThread,
+        Depth40, Encoding, Launch, METHODS, PageUniform,
         modules::{self, Kernel},
     },
     render::View,
@@ -20,8 +20,8 @@ const ENCODINGS: [Encoding; 2] = [Encoding::Wide, Encoding::Packed];
 fn all_kernels_are_valid_in_both_encodings() {
     let mut failures = Vec::new();
     for kernel in modules::ALL {
-        for (encoding, per_thread) in ENCODINGS.iter().flat_map(|&e| [(e, PerThread::One), (e, PerThread::Four)]) {
-            match validate(&kernel.source(encoding, per_thread), capabilities(kernel.needs)) {
+        for (encoding, launch) in ENCODINGS.iter().flat_map(|&e| [(e, Launch::PLAIN), (e, Launch::TUNED)]) {
+            match validate(&kernel.source(encoding, launch), capabilities(kernel.needs)) {
                 Err(error) => failures.push(format!("{} {encoding:?}:\n{error}", kernel.name)),
                 Ok(module) => assert!(
                     module.entry_points.iter().any(|entry| entry.name == kernel.entry),
@@ -47,7 +47,7 @@ fn kernels_need_what_they_say() {
             if kernel.needs.contains(feature) {
                 let less = capabilities(kernel.needs) - capability;
                 assert!(
-                    validate(&kernel.source(Encoding::Wide, PerThread::One), less).is_err(),
+                    validate(&kernel.source(Encoding::Wide, Launch::PLAIN), less).is_err(),
                     "{} without {capability:?}",
                     kernel.name
                 );
@@ -84,7 +84,7 @@ fn names_are_unique() {
 /// Names and offsets of the members of a WGSL struct, and its size.
 fn layout_of(kernel: &Kernel, name: &str) -> (Vec<(String, u32)>, u32) {
     let module =
-        validate(&kernel.source(Encoding::Packed, PerThread::One), capabilities(kernel.needs)).expect("a valid module");
+        validate(&kernel.source(Encoding::Packed, Launch::PLAIN), capabilities(kernel.needs)).expect("a valid module");
     let (_, ty) = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name)).expect("the struct exists");
     let naga::TypeInner::Struct { members, span } = &ty.inner else { panic!("{name} is a struct") };
     (members.iter().map(|m| (m.name.clone().unwrap_or_default(), m.offset)).collect(), *span)
@@ -99,7 +99,7 @@ macro_rules! host_layout {
 #[test]
 fn host_structs_have_the_layout_of_the_shaders() {
     let kernel = &modules::DEPTH40;
-    assert_eq!(layout_of(kernel, "Page"), host_layout!(PageUniform: base, first, bits, len));
+    assert_eq!(layout_of(kernel, "Page"), host_layout!(PageUniform: base, first, len, unused_a, unused_b, unused_c));
     assert_eq!(layout_of(kernel, "Depth40"), host_layout!(Depth40: row_low, unused_a, row_high, unused_b));
     assert_eq!(
         layout_of(kernel, "View"),

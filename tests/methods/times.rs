@@ -56,7 +56,7 @@ fn ceilings_are_measured() {
         assert_eq!((ceilings.copy.len(), ceilings.read.len()), (3, 3));
         for rate in ceilings.copy.iter().chain(&ceilings.read) {
             // From a slow processor to ten times what the fastest memory does.
-            assert!((1e7..1e14).contains(rate), "{encoding:?}: {ceilings:?}");
+            assert!((1e5..1e14).contains(rate), "{encoding:?}: {ceilings:?}");
         }
     }
 }

@@ -34,7 +34,7 @@ impl TargetLayouts {
     pub fn new(device: &wgpu::Device) -> TargetLayouts {
         use Binding::{Read, ReadWrite, Uniform};
         TargetLayouts {
-            write: kernel::layout(device, "words", wgpu::ShaderStages::COMPUTE, &[Uniform, ReadWrite]),
+            write: kernel::layout(device, "words", wgpu::ShaderStages::COMPUTE, &[Uniform, ReadWrite, ReadWrite]),
             read: kernel::layout(device, "words, read", wgpu::ShaderStages::COMPUTE, &[Uniform, Read]),
         }
     }
@@ -62,7 +62,8 @@ impl Targets {
         .map_err(|detail| RenderError::NoMemoryForPicture { width, height, detail })?;
         Ok(Targets {
             size,
-            bind_write: kernel::bind_buffers(device, "words", &layouts.write, &[view, &words]),
+            // The words a second time: without atomics, for the early test.
+            bind_write: kernel::bind_buffers(device, "words", &layouts.write, &[view, &words, &words]),
             bind_read: kernel::bind_buffers(device, "words, read", &layouts.read, &[view, &words]),
             words,
             colors,

@@ -1,0 +1,2 @@
+// Which thread of its subgroup this is.
+var<private> lane: u32;
