@@ -188,7 +188,8 @@ fn tell(report: &ConvergeReport) -> ExitStatus {
 impl MeasureArgs {
     fn validate(self) -> Result<Measure, CliError> {
         // Every choice must go with the backend.
-        let backends: Result<Vec<_>, _> = self.raster.iter().map(|&raster| backend_choice(self.backend, raster)).collect();
+        let backends: Result<Vec<_>, _> =
+            self.raster.iter().map(|&raster| backend_choice(self.backend, raster)).collect();
         let backend = backends?.first().copied().unwrap_or_default();
         let is_virtual = self.clock == Clock::Virtual;
         let fills = match (self.fill.is_empty(), is_virtual) {
@@ -202,7 +203,9 @@ impl MeasureArgs {
             ));
         }
         if self.load.is_some() && !is_virtual {
-            return Err(CliError::Usage("--load is for --clock virtual; in real time, points come as they are read".into()));
+            return Err(CliError::Usage(
+                "--load is for --clock virtual; in real time, points come as they are read".into(),
+            ));
         }
         let motion = |motion| match motion {
             MotionArg::Orbit => Some(Motion::Orbit),

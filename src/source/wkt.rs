@@ -103,8 +103,7 @@ fn part(wkt: &str, keywords: &[&str]) -> Option<WktPart> {
 /// Length of the unit of the projected (or local) system's coordinates, metres: `UNIT` of WKT 1, which stands in the
 /// system itself, or `LENGTHUNIT` of WKT 2, there or in an axis. Those of ellipsoids and of angles stand elsewhere.
 pub fn metres_per_unit(wkt: &str) -> Option<f64> {
-    const HOLDERS: [&str; 7] =
-        ["PROJCS", "PROJCRS", "PROJECTEDCRS", "LOCAL_CS", "ENGCRS", "ENGINEERINGCRS", "AXIS"];
+    const HOLDERS: [&str; 7] = ["PROJCS", "PROJCRS", "PROJECTEDCRS", "LOCAL_CS", "ENGCRS", "ENGINEERINGCRS", "AXIS"];
     let is = |word: &str, names: &[&str]| names.iter().any(|name| name.eq_ignore_ascii_case(word));
     let mut open: Vec<&str> = Vec::new();
     let mut word = "";

@@ -83,7 +83,13 @@ pub fn settings(report: &ConvergeReport) -> Vec<&Run> {
 }
 
 /// One chart: a series per run, of the frames that `is` picks.
-pub fn curves(runs: &[&Run], along: Along, value: Value, name: impl Fn(&Run) -> String, is: &dyn Fn(&Frame) -> bool) -> Chart {
+pub fn curves(
+    runs: &[&Run],
+    along: Along,
+    value: Value,
+    name: impl Fn(&Run) -> String,
+    is: &dyn Fn(&Frame) -> bool,
+) -> Chart {
     let of = |run: &&Run| {
         let frames = run.frames.iter().filter(|frame| is(frame));
         let points = frames.filter_map(|frame| Some((along.of(frame), value.1(frame)?))).collect();
@@ -94,15 +100,7 @@ pub fn curves(runs: &[&Run], along: Along, value: Value, name: impl Fn(&Run) -> 
 
 fn chart(title: String, along: Along, series: Vec<Series>) -> Chart {
     let y = title.clone();
-    Chart {
-        title,
-        x: along.name().into(),
-        y,
-        x_at_least: 0.0,
-        y_at_least: 0.0,
-        x_is_whole: false,
-        series,
-    }
+    Chart { title, x: along.name().into(), y, x_at_least: 0.0, y_at_least: 0.0, x_is_whole: false, series }
 }
 
 /// What a run shows of some frames, and what a uniform sample would: covered pixels, and pixels with the nearest depth.
@@ -115,7 +113,10 @@ pub fn theory(run: &Run, title: &str, is: &dyn Fn(&Frame) -> bool) -> Vec<Chart>
         Series { name: name.into(), points: thin(frames.filter_map(place).collect(), MOST_POINTS), draw }
     };
     let pair = |what: &str, found: fn(&Frame) -> Option<f64>, expected: fn(&Frame) -> Option<f64>| {
-        let both = vec![series("this run", &found, Draw::LineAndDots), series("a uniform random sample", &expected, Draw::Dashed)];
+        let both = vec![
+            series("this run", &found, Draw::LineAndDots),
+            series("a uniform random sample", &expected, Draw::Dashed),
+        ];
         chart(format!("{title}: {what}"), Along::Points, both)
     };
     vec![

@@ -28,19 +28,18 @@ impl Headline {
             let values: Vec<f64> = moving.iter().filter_map(|frame| value(frame)).collect();
             (!values.is_empty()).then(|| significant(values.iter().sum::<f64>() / values.len() as f64))
         };
-        let rests: Vec<Vec<&Frame>> = rests(frames);
-        let areas: Vec<(f64, Option<f64>)> = (rests.iter())
-            .map(|rest| area(&rest.iter().map(|f| (image_error(f).unwrap_or(0.0), f.times)).collect::<Vec<_>>()))
+        let stops: Vec<&[Frame]> = stops(frames);
+        let areas: Vec<(f64, Option<f64>)> = (stops.iter())
+            .map(|stop| area(&stop.iter().map(|f| (image_error(f).unwrap_or(0.0), f.times)).collect::<Vec<_>>()))
             .collect();
-        let back = |rest: &Vec<&Frame>| rest.iter().position(|frame| frame.converged).map(|at| at as u32 + 1);
-        let back_secs = |rest: &Vec<&Frame>| {
-            let end = rest.iter().find(|frame| frame.converged)?.times?.end_secs();
-            Some(end - rest.first()?.times?.start_secs)
+        let back = |stop: &&[Frame]| stop.iter().position(|frame| frame.converged).map(|at| at as u32);
+        let back_secs = |stop: &&[Frame]| {
+            let end = |frame: &Frame| Some(frame.times?.end_secs());
+            Some(end(stop.iter().find(|frame| frame.converged)?)? - end(stop.first()?)?)
         };
         let times = |is: &dyn Fn(&str) -> bool, share: f64| {
-            let ms: Vec<f64> = (frames.iter().filter(|f| is(&f.phase)))
-                .filter_map(|f| Some(f.times?.frame_secs * 1e3))
-                .collect();
+            let ms: Vec<f64> =
+                (frames.iter().filter(|f| is(&f.phase))).filter_map(|f| Some(f.times?.frame_secs * 1e3)).collect();
             (!ms.is_empty()).then(|| quantile(&ms, share))
         };
         Headline {
@@ -57,8 +56,8 @@ impl Headline {
             moving_fill: mean(&|frame| Some(f64::from(frame.fill))),
             rest_error_frames: (!areas.is_empty()).then(|| significant(areas.iter().map(|area| area.0).sum())),
             rest_error_secs: areas.iter().map(|area| area.1).sum::<Option<f64>>().filter(|_| !areas.is_empty()),
-            rest_frames: rests.iter().map(back).collect::<Option<Vec<u32>>>().and_then(|all| all.into_iter().max()),
-            rest_secs: (rests.iter().map(back_secs).collect::<Option<Vec<f64>>>())
+            rest_frames: stops.iter().map(back).collect::<Option<Vec<u32>>>().and_then(|all| all.into_iter().max()),
+            rest_secs: (stops.iter().map(back_secs).collect::<Option<Vec<f64>>>())
                 .and_then(|all| all.into_iter().reduce(f64::max)),
             frame_ms_p99: times(&|_| true, 0.99),
             loading_frame_ms_p99: times(&|phase| phase == "loading", 0.99),
@@ -73,10 +72,14 @@ pub fn image_error(frame: &Frame) -> Option<f64> {
     Some(significant(1.0 - frame.received.ssim?))
 }
 
-/// The frames of each rest after a motion.
-fn rests(frames: &[Frame]) -> Vec<Vec<&Frame>> {
-    let runs = frames.chunk_by(|a, b| a.phase == b.phase).filter(|run| is_rest(&run[0].phase));
-    runs.map(|run| run.iter().collect()).collect()
+/// The last frame of each motion, and what is drawn of the rest after it: nothing if that frame was right already.
+fn stops(frames: &[Frame]) -> Vec<&[Frame]> {
+    let is_last = |&i: &usize| {
+        let next = frames.get(i + 1);
+        is_moving(&frames[i].phase) && next.is_none_or(|next| next.phase != frames[i].phase)
+    };
+    let resting = |i: usize| frames[i + 1..].iter().take_while(|frame| is_rest(&frame.phase)).count();
+    (0..frames.len()).filter(is_last).map(|i| &frames[i..=i + resting(i)]).collect()
 }
 
 /// Area under a curve of steps: each frame's error holds until the next frame. In frames, and in seconds from the end
@@ -151,11 +154,15 @@ pub mod tests {
         assert_eq!((h.right_90.unwrap().frames, h.right_99.unwrap().frames), (3, 4));
         assert_eq!(h.right_100.unwrap().secs, Some(3.5));
         assert_eq!(h.error_frames, 1.0 + 1.0 + 0.5 + 0.05);
-        assert_eq!(h.error_secs, Some(0.5 + 1.0 + 0.5 + 0.05), "frames end a second apart, the first after half of one");
+        assert_eq!(
+            h.error_secs,
+            Some(0.5 + 1.0 + 0.5 + 0.05),
+            "frames end a second apart, the first after half of one"
+        );
         assert_eq!((h.moving_error, h.moving_holes, h.moving_flicker), (Some(0.4), Some(0.4), Some(0.25)));
-        assert_eq!((h.rest_error_frames, h.rest_frames), (Some(0.3), Some(3)));
-        assert!((h.rest_error_secs.unwrap() - 0.3).abs() < 1e-9);
-        assert_eq!(h.rest_secs, Some(2.5));
+        assert_eq!((h.rest_error_frames, h.rest_frames), (Some(0.6), Some(3)));
+        assert!((h.rest_error_secs.unwrap() - 0.6).abs() < 1e-9);
+        assert_eq!(h.rest_secs, Some(3.0));
         assert_eq!((h.frame_ms_p99, h.loading_frame_ms_p99), (Some(500.0), Some(500.0)));
         let untimed = Headline::of(&run(false));
         assert_eq!((untimed.error_secs, untimed.rest_secs, untimed.frame_ms_p99), (None, None, None));
@@ -164,9 +171,16 @@ pub mod tests {
 
     #[test]
     fn what_was_not_reached_is_no_figure() {
-        let never = [frame(0, "loading", 0.3, true), frame(1, "after orbit", 0.4, true)];
+        let at_once = [frame(0, "orbit", 1.0, true), frame(1, "walk", 0.5, true), frame(2, "after walk", 1.0, true)];
+        let h = Headline::of(&at_once);
+        assert_eq!(
+            (h.rest_frames, h.rest_secs, h.rest_error_frames),
+            (Some(1), Some(1.0), Some(0.5)),
+            "0 and 1 frames"
+        );
+        let never = [frame(0, "loading", 0.3, true), frame(1, "orbit", 0.4, true), frame(2, "after orbit", 0.4, true)];
         let h = Headline::of(&never);
-        assert_eq!((h.right_50, h.rest_frames, h.moving_error), (None, None, None));
+        assert_eq!((h.right_50, h.rest_frames, h.moving_error), (None, None, Some(0.6)));
         let nothing = Headline::of(&[]);
         assert_eq!((nothing.first_picture, nothing.error_secs, nothing.rest_error_frames), (None, None, None));
     }

@@ -168,7 +168,10 @@ mod tests {
     #[test]
     fn the_truth_is_right_and_its_edges_are_where_depth_jumps() {
         let m = Metrics::of(&truth(), &truth(), 1.0);
-        assert_eq!((m.truth_pixels, m.covered_share, m.right_share, m.front_share), (8, Some(1.0), Some(1.0), Some(1.0)));
+        assert_eq!(
+            (m.truth_pixels, m.covered_share, m.right_share, m.front_share),
+            (8, Some(1.0), Some(1.0), Some(1.0))
+        );
         assert_eq!((m.psnr_db, m.extra_pixels), (None, 0));
         assert_eq!((m.depth_error_median_m, m.depth_error_p95_m), (Some(0.0), Some(0.0)));
         assert_eq!(edges(&truth()), [2, 3, 7], "both sides of the jump, and the pixel beside the background");

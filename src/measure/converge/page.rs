@@ -67,7 +67,8 @@ fn headlines(report: &ConvergeReport) -> Table {
     }
     columns.extend(["error in motion", "holes, %", "flicker, %"].map(String::from));
     columns.push(format!("back to converged, {unit}"));
-    let title = "Pixels with the right point, of the picture of the whole file; in motion, of all points received".into();
+    let title =
+        "Pixels with the right point, of the picture of the whole file; in motion, of all points received".into();
     let mut table = Table { title, columns, rows: Vec::new() };
     let several = report.runs.iter().any(|run| run.round > 1);
     for run in &report.runs {
@@ -134,7 +135,15 @@ pub fn page(report: &ConvergeReport) -> String {
         }
         section("In motion, against all points received", &motion_about(), figures);
         let rest = |frame: &Frame| is_rest(&frame.phase);
-        let back = |along| charts::curves(&compared, along, ("error after each stop: 1 − SSIM", super::headline::image_error), variant, &rest);
+        let back = |along| {
+            charts::curves(
+                &compared,
+                along,
+                ("error after each stop: 1 − SSIM", super::headline::image_error),
+                variant,
+                &rest,
+            )
+        };
         let along = Along::all(report).into_iter().filter(|along| *along != Along::Points);
         section("After each stop", REST_ABOUT, along.map(|along| back(along).figure()).collect());
     }

@@ -29,7 +29,11 @@ pub struct Logged {
 /// What fixes the frames.
 pub enum Script<'a> {
     /// So many points arrive per frame, and so many are tried.
-    Virtual { director: Director<'a>, load: u64, fill: u32 },
+    Virtual {
+        director: Director<'a>,
+        load: u64,
+        fill: u32,
+    },
     Log(VecDeque<Logged>),
 }
 

@@ -140,8 +140,8 @@ pub struct Headline {
     pub moving_flicker: Option<f64>,
     /// Points that a frame's fill tries in motion, mean.
     pub moving_fill: Option<f64>,
-    /// Of all rests after a motion: the area under the curve of 1 − SSIM, in frames and in seconds, and the longest time
-    /// back to the converged picture.
+    /// From the last frame of each motion: the areas under the curve of 1 − SSIM until the picture has converged, added
+    /// up, in frames and in seconds, and the longest way back to the converged picture.
     pub rest_error_frames: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rest_error_secs: Option<f64>,

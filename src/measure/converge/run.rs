@@ -176,13 +176,7 @@ fn choice_of(raster: Raster) -> RasterChoice {
     }
 }
 
-fn empty(
-    measure: &Measure,
-    scan: &Recording,
-    info: &BackendInfo,
-    camera: Camera,
-    phases: &[Phase],
-) -> ConvergeReport {
+fn empty(measure: &Measure, scan: &Recording, info: &BackendInfo, camera: Camera, phases: &[Phase]) -> ConvergeReport {
     let is_real = measure.clock == Clock::Real;
     let name = |file: &crate::scene::FileFacts| match file.path.file_name() {
         Some(name) => name.to_string_lossy().into_owned(),
