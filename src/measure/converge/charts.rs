@@ -125,9 +125,27 @@ pub fn theory(run: &Run, title: &str, is: &dyn Fn(&Frame) -> bool) -> Vec<Chart>
     ]
 }
 
-/// Runs in motion, by frames of the whole run.
-pub fn motion(runs: &[&Run], value: Value, name: impl Fn(&Run) -> String) -> Chart {
-    curves(runs, Along::Frames, value, name, &|frame| is_moving(&frame.phase))
+/// Runs since the camera first moved, in milliseconds if there are any: runs load in different times.
+pub fn since_motion(
+    report: &ConvergeReport,
+    runs: &[&Run],
+    value: Value,
+    name: impl Fn(&Run) -> String,
+    is: &dyn Fn(&Frame) -> bool,
+) -> Chart {
+    let along = Along::all(report)[0];
+    let mut chart = curves(runs, along, value, name, is);
+    chart.x =
+        format!("{} since the camera first moved", if along == Along::Frames { "frames" } else { "milliseconds" });
+    for (series, run) in chart.series.iter_mut().zip(runs) {
+        let first = run.frames.iter().find(|frame| is_moving(&frame.phase));
+        let begun = first.map_or(0.0, |frame| match along {
+            Along::Milliseconds => frame.times.map_or(0.0, |times| times.start_secs * 1e3),
+            _ => f64::from(frame.frame),
+        });
+        series.points.iter_mut().for_each(|point| point.0 -= begun);
+    }
+    chart
 }
 
 /// One dot per setting and baseline: cost against error, with the front of this program's settings.
@@ -148,7 +166,7 @@ pub fn speed(report: &ConvergeReport, title: &str, error: &str, dot: fn(&Run) ->
     // Less is better in both.
     let best = front(&ours.map(|(_, (x, y))| (-x, -y)).collect::<Vec<_>>());
     let name = |run: &Run| match is_viewers_choice(run) {
-        true => format!("{} ★ viewer", run.label()),
+        true => format!("★ {}", run.label()),
         false => run.label(),
     };
     let cost = if timed { "frame time, ms (median)" } else { "points tried per frame" };

@@ -135,7 +135,7 @@ pub fn is_viewers_choice(run: &Run) -> bool {
 }
 
 fn viewers_choice(report: &ConvergeReport) -> Vec<Check> {
-    let kinds: [(&str, fn(&Run) -> Option<Dot>); 2] = [("in motion", moving_dot), ("at rest", rest_dot)];
+    let kinds = [("in motion", moving_dot as fn(&Run) -> Option<Dot>), ("at rest", rest_dot)];
     let ours = |run: &&Run| run.variant == Variant::Firstlight;
     let mut checks = Vec::new();
     for (when, dot) in kinds {

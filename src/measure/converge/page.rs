@@ -3,6 +3,7 @@
 use super::{
     charts::{self, Along, IN_MOTION, OF_FILE},
     checks::SIGMAS,
+    headline::image_error,
     metrics::{CHANGE_LEVELS, EDGE_STEP},
     report::{ConvergeReport, Frame, Reached, Run, is_moving, is_rest},
     settings::{Clock, Variant},
@@ -128,24 +129,21 @@ pub fn page(report: &ConvergeReport) -> String {
     section("While loading and at rest, against the picture of the whole file", LOADING_ABOUT, figures);
     let moves = |run: &&&Run| run.frames.iter().any(|frame| is_moving(&frame.phase));
     if compared.iter().any(|run| moves(&run)) {
-        let mut figures: Vec<String> =
-            IN_MOTION.iter().map(|value| charts::motion(&compared, *value, variant).figure()).collect();
+        let moving = |frame: &Frame| is_moving(&frame.phase);
+        let of = |value| charts::since_motion(report, &compared, value, variant, &moving).figure();
+        let mut figures: Vec<String> = IN_MOTION.into_iter().map(of).collect();
         if settings.len() > 1 {
-            figures.extend(IN_MOTION.iter().map(|value| charts::motion(&settings, *value, Run::label).figure()));
+            let of = |value| charts::since_motion(report, &settings, value, Run::label, &moving).figure();
+            figures.extend(IN_MOTION.map(of));
         }
         section("In motion, against all points received", &motion_about(), figures);
         let rest = |frame: &Frame| is_rest(&frame.phase);
-        let back = |along| {
-            charts::curves(
-                &compared,
-                along,
-                ("error after each stop: 1 − SSIM", super::headline::image_error),
-                variant,
-                &rest,
-            )
-        };
-        let along = Along::all(report).into_iter().filter(|along| *along != Along::Points);
-        section("After each stop", REST_ABOUT, along.map(|along| back(along).figure()).collect());
+        let error = ("error after each stop: 1 − SSIM", image_error as fn(&Frame) -> Option<f64>);
+        let mut figures = vec![charts::since_motion(report, &compared, error, variant, &rest).figure()];
+        if settings.len() > 1 {
+            figures.push(charts::since_motion(report, &settings, error, Run::label, &rest).figure());
+        }
+        section("After each stop", REST_ABOUT, figures);
     }
     body.push_str(&methods());
     html::page(TITLE, &body)
