@@ -1,4 +1,5 @@
-// A keyed permutation of [0, old + new). Twin: src/store/permutation.rs.
+// A keyed permutation of [0, old + new): `domain` shuffled numbers (all of them, but for measuring other
+// orders), then all moved on by `shift`, round the end. Twin: src/store/permutation.rs.
 const ROUNDS: u32 = 8u;
 
 struct Insertion {
@@ -13,8 +14,8 @@ struct Insertion {
     fresh_before: u32,
     // Points that the columns of the staging buffer have room for.
     staging_capacity: u32,
-    unused_a: u32,
-    unused_b: u32,
+    domain: u32,
+    shift: u32,
 }
 
 fn hash(value: u32) -> u32 {
@@ -68,20 +69,32 @@ fn decrypt(x: u32) -> u32 {
 
 // Where new point `i` goes.
 fn permute(i: u32) -> u32 {
-    let len = insertion.old_points + insertion.new_points;
-    var x = encrypt(i);
-    while x >= len {
+    var x = i;
+    if i < insertion.domain {
         x = encrypt(x);
+        while x >= insertion.domain {
+            x = encrypt(x);
+        }
     }
-    return x;
+    // `x + shift` may not fit 32 bits.
+    let before_end = insertion.old_points + insertion.new_points - insertion.shift;
+    if x < before_end {
+        return x + insertion.shift;
+    }
+    return x - before_end;
 }
 
 // What goes to `slot`.
 fn unpermute(slot: u32) -> u32 {
-    let len = insertion.old_points + insertion.new_points;
-    var x = decrypt(slot);
-    while x >= len {
+    var x = slot - insertion.shift;
+    if slot < insertion.shift {
+        x = slot + (insertion.old_points + insertion.new_points - insertion.shift);
+    }
+    if x < insertion.domain {
         x = decrypt(x);
+        while x >= insertion.domain {
+            x = decrypt(x);
+        }
     }
     return x;
 }

@@ -2,7 +2,7 @@
 
 use crate::{
     headless::HeadlessError,
-    measure::{BenchError, ReportDirError, ingest::IngestError, raster::RasterError},
+    measure::{BenchError, ReportDirError, converge::ConvergeError, ingest::IngestError, raster::RasterError},
     render::RenderError,
     synth::SynthError,
     view::ViewError,
@@ -58,6 +58,8 @@ pub enum CliError {
     #[error(transparent)]
     Raster(#[from] RasterError),
     #[error(transparent)]
+    Converge(#[from] ConvergeError),
+    #[error(transparent)]
     ReportDir(#[from] ReportDirError),
 }
 
@@ -92,6 +94,13 @@ impl CliError {
                 RasterError::Camera(_) | RasterError::Synth(_) => ExitStatus::Usage,
                 RasterError::Render(_) | RasterError::Methods(_) => ExitStatus::Device,
                 RasterError::ReportDir(_) => ExitStatus::Output,
+            },
+            CliError::Converge(error) => match error {
+                ConvergeError::Source(_) | ConvergeError::NoPoints => ExitStatus::Input,
+                ConvergeError::Camera(_) | ConvergeError::Synth(_) | ConvergeError::AutoNeedsTime => ExitStatus::Usage,
+                ConvergeError::Render(RenderError::DeviceLost(_)) => ExitStatus::Internal,
+                ConvergeError::Render(_) => ExitStatus::Device,
+                ConvergeError::ReportDir(_) => ExitStatus::Output,
             },
             CliError::ReportDir(_) => ExitStatus::Output,
         }

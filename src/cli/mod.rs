@@ -8,6 +8,7 @@ mod bench_frames;
 mod bench_ingest;
 mod exit;
 mod info;
+mod measure;
 mod open;
 mod render;
 mod values;
@@ -56,6 +57,9 @@ enum Command {
     /// Measure every way to rasterize points on this device, and what each costs in accuracy
     #[command(after_help = bench::HELP)]
     Bench(Box<bench::BenchArgs>),
+    /// Measure how wrong the picture is, frame by frame: while loading, at rest and in motion
+    #[command(after_help = measure::HELP)]
+    Measure(Box<measure::MeasureArgs>),
     /// Time frames while a scene grows: does the frame time stay flat?
     #[command(after_help = exit::HELP)]
     BenchFrames(bench_frames::BenchFramesArgs),
@@ -98,6 +102,7 @@ fn run(args: impl IntoIterator<Item = OsString>, started: Instant) -> Result<Exi
         Some(Command::Render(args)) => render::run(*args, started),
         Some(Command::Info(args)) => info::run(args),
         Some(Command::Bench(args)) => bench::run(*args),
+        Some(Command::Measure(args)) => measure::run(*args),
         Some(Command::BenchFrames(args)) => bench_frames::run(args, started),
         Some(Command::BenchIngest(args)) => bench_ingest::run(args),
         Some(Command::Synth(args)) => {

@@ -6,6 +6,7 @@
 //! frames      bench-frames: does the frame time stay flat while a scene grows?
 //! ingest      bench-ingest: how fast points come from a file to the screen
 //! raster      bench: every way to rasterize, its speed beside its accuracy
+//! converge    measure: image error against time, frames and points, while loading, at rest and in motion
 //! machine     what it ran on
 //! stats       medians and quartiles
 //! chart       line charts as SVG
@@ -14,6 +15,7 @@
 //! ```
 
 mod chart;
+pub mod converge;
 mod feed;
 mod frames;
 mod html;

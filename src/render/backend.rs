@@ -35,6 +35,9 @@ pub struct FramePlan {
     pub shading: Shading,
     /// Colour rule of each file, in order of their first records.
     pub files: Vec<FileColor>,
+    /// A picture that leaves no trace: which slots were visible, and which are fresh, stays as it was. For
+    /// comparing while a scene converges.
+    pub aside: bool,
 }
 
 /// How visible points become a picture.
@@ -80,6 +83,10 @@ pub trait Backend {
     /// Inserts a batch. Its points are *fresh* until the next frame.
     fn insert(&mut self, insertion: &Insertion, points: &PointBatch) -> Result<(), RenderError>;
 
+    /// Switches off that the lists of slots follow points which an insertion moves (or on again). For measuring
+    /// what that is worth: without it, a picture loses points while a file loads.
+    fn set_relocation(&mut self, on: bool);
+
     /// Draws a frame of `plan.view.width` × `plan.view.height` pixels.
     fn draw(&mut self, plan: &FramePlan) -> Result<(), RenderError>;
 
@@ -108,6 +115,9 @@ impl<B: Backend + ?Sized> Backend for Box<B> {
     }
     fn insert(&mut self, insertion: &Insertion, points: &PointBatch) -> Result<(), RenderError> {
         (**self).insert(insertion, points)
+    }
+    fn set_relocation(&mut self, on: bool) {
+        (**self).set_relocation(on);
     }
     fn draw(&mut self, plan: &FramePlan) -> Result<(), RenderError> {
         (**self).draw(plan)

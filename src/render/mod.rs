@@ -20,5 +20,5 @@ pub use camera::{Camera, CameraError, Projected, View};
 pub use color::{FileColor, elevation_ramp};
 pub use cpu::CpuBackend;
 pub use gpu::{GpuBackend, RasterChoice, ShadingUniform};
-pub use progressive::{FrameReport, FrameRequest, INSERTION_POINTS, Progressive, StoreOptions};
+pub use progressive::{FrameReport, FrameRequest, INSERTION_POINTS, Progressive, Reprojection, StoreOptions};
 pub use shading::EDL_GAIN;

@@ -13,7 +13,7 @@ use super::{
 use crate::{
     device::{PassTimes, RenderError},
     scene::{ColorStats, PointBatch, SceneFacts},
-    store::{Coverage, Insertion, MAX_INSERTION_POINTS},
+    store::{Coverage, Insertion, MAX_INSERTION_POINTS, SlotOrder},
 };
 
 /// Points that enter the store at a time. Larger ones cost fewer look-ups per visible point and
@@ -32,11 +32,30 @@ pub struct StoreOptions {
     pub insertion_points: u32,
     /// Store no more than this many points.
     pub max_points: u64,
+    /// Anything but shuffled is for measuring what the shuffle is worth.
+    pub order: SlotOrder,
+}
+
+/// When a frame draws what the last one showed. A viewer always does; the others are what that is measured
+/// against.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Reprojection {
+    #[default]
+    Always,
+    /// Unless the view changed: the picture begins anew whenever the camera moves.
+    WhileStill,
+    /// Every frame is a new sample of the points, and stays one: a still picture never converges.
+    Never,
 }
 
 impl Default for StoreOptions {
     fn default() -> Self {
-        StoreOptions { seed: 1, insertion_points: INSERTION_POINTS, max_points: MAX_POINTS }
+        StoreOptions {
+            seed: 1,
+            insertion_points: INSERTION_POINTS,
+            max_points: MAX_POINTS,
+            order: SlotOrder::default(),
+        }
     }
 }
 
@@ -74,6 +93,7 @@ impl FrameReport {
 pub struct Progressive<B> {
     backend: B,
     options: StoreOptions,
+    reprojection: Reprojection,
     scene: Option<Arc<SceneFacts>>,
     stats: Vec<ColorStats>,
     /// What `stats` say of each file.
@@ -108,6 +128,7 @@ impl<B: Backend> Progressive<B> {
         Progressive {
             backend,
             options,
+            reprojection: Reprojection::default(),
             scene: None,
             stats: Vec::new(),
             file_colors: Vec::new(),
@@ -136,6 +157,11 @@ impl<B: Backend> Progressive<B> {
 
     pub fn backend_mut(&mut self) -> &mut B {
         &mut self.backend
+    }
+
+    /// For measuring other ways than a viewer's.
+    pub fn set_reprojection(&mut self, reprojection: Reprojection) {
+        self.reprojection = reprojection;
     }
 
     pub fn scene(&self) -> Option<&Arc<SceneFacts>> {
@@ -240,14 +266,46 @@ impl<B: Backend> Progressive<B> {
         if self.unsettled && self.is_loaded() {
             self.restart();
         }
-        let complete = self.coverage.is_complete(self.stored);
+        let mut complete = self.coverage.is_complete(self.stored);
+        if complete && self.reprojection == Reprojection::Never && self.stored > 0 {
+            self.restart();
+            complete = false;
+        }
         if !view_changed && self.undrawn == 0 && complete && self.last_shading == Some(request.shading) {
             return Ok(self.report(false, 0));
         }
         let fill = self.coverage.advance(self.stored, self.budget.points(request.fill));
         let filled = fill.iter().map(|r| r.end - r.start).sum();
-        self.draw(request, true, true, fill)?;
+        let reproject = match self.reprojection {
+            Reprojection::Always => true,
+            Reprojection::WhileStill => !view_changed,
+            Reprojection::Never => false,
+        };
+        self.draw(request, reproject, true, fill)?;
         Ok(self.report(true, filled))
+    }
+
+    /// The picture of all points stored, brought back; frames go on afterwards as if it had not been drawn.
+    /// What the last frame shows has to be [read](Progressive::read) before.
+    ///
+    /// # Errors
+    /// If it cannot be drawn or read.
+    pub fn truth(&mut self, request: &FrameRequest) -> Result<Picture, RenderError> {
+        self.backend.resize([request.view.width, request.view.height])?;
+        let plan = FramePlan {
+            view: request.view,
+            reproject: false,
+            fresh: false,
+            fill: [0..self.stored, 0..0],
+            shading: request.shading,
+            files: self.file_colors.clone(),
+            aside: true,
+        };
+        self.backend.draw(&plan)?;
+        let picture = self.backend.read()?;
+        // Its times are none of a frame's: the budget must not learn from them.
+        let _ = self.backend.pass_times();
+        Ok(picture)
     }
 
     /// Draws all points stored, without regard to what was visible before.
@@ -275,7 +333,8 @@ impl<B: Backend> Progressive<B> {
         let files = self.file_colors.clone();
         // If the frame fails, nothing of it counts as tried or shown.
         self.last_view = None;
-        let plan = FramePlan { view: request.view, reproject, fresh, fill, shading: request.shading, files };
+        let plan =
+            FramePlan { view: request.view, reproject, fresh, fill, shading: request.shading, files, aside: false };
         self.backend.draw(&plan)?;
         self.undrawn = 0;
         self.last_view = Some(request.view);
@@ -307,7 +366,8 @@ impl<B: Backend> Progressive<B> {
             if count == 0 {
                 break;
             }
-            let insertion = Insertion::new(self.stored, count, self.options.seed, self.insertions);
+            let StoreOptions { order, seed, .. } = self.options;
+            let insertion = Insertion::in_order(order, self.stored, count, seed, self.insertions);
             if let Err(error) = self.backend.insert(&insertion, &self.staged) {
                 self.memory_full |= matches!(error, RenderError::OutOfMemory { .. });
                 return Err(error);

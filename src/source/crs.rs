@@ -28,6 +28,8 @@ pub struct Crs {
     pub projected_epsg: Option<u16>,
     pub geographic_epsg: Option<u16>,
     pub vertical_epsg: Option<u16>,
+    /// EPSG code of the unit of projected coordinates.
+    pub linear_unit_epsg: Option<u16>,
 }
 
 impl Crs {
@@ -60,9 +62,21 @@ impl Crs {
                 2048 => self.geographic_epsg = value,
                 3072 => self.projected_epsg = value,
                 4096 => self.vertical_epsg = value,
+                3076 => self.linear_unit_epsg = value,
                 _ => {}
             }
         }
+    }
+
+    /// Length of the coordinates' unit, metres, if the file says so: by its WKT, or by the unit among its GeoTIFF keys.
+    pub fn metres_per_unit(&self) -> Option<f64> {
+        let by_key = match self.linear_unit_epsg {
+            Some(9001) => Some(1.0),
+            Some(9002) => Some(0.3048),
+            Some(9003) => Some(1200.0 / 3937.0),
+            _ => None,
+        };
+        self.wkt.as_deref().and_then(wkt::metres_per_unit).or(by_key)
     }
 
     fn horizontal(&self) -> Option<Identity> {

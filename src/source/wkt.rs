@@ -100,6 +100,33 @@ fn part(wkt: &str, keywords: &[&str]) -> Option<WktPart> {
     Some(found)
 }
 
+/// Length of the unit of the projected (or local) system's coordinates, metres: `UNIT` of WKT 1, which stands in the
+/// system itself, or `LENGTHUNIT` of WKT 2, there or in an axis. Those of ellipsoids and of angles stand elsewhere.
+pub fn metres_per_unit(wkt: &str) -> Option<f64> {
+    const HOLDERS: [&str; 7] = ["PROJCS", "PROJCRS", "PROJECTEDCRS", "LOCAL_CS", "ENGCRS", "ENGINEERINGCRS", "AXIS"];
+    let is = |word: &str, names: &[&str]| names.iter().any(|name| name.eq_ignore_ascii_case(word));
+    let mut open: Vec<&str> = Vec::new();
+    let mut word = "";
+    for token in tokens(wkt) {
+        match token {
+            Token::Open => open.push(word),
+            Token::Close => drop(open.pop()),
+            Token::Text(_) => {}
+            Token::Word(text) => {
+                if let [.., holder, unit] = open[..]
+                    && is(unit, &["UNIT", "LENGTHUNIT"])
+                    && is(holder, &HOLDERS)
+                    && let Ok(metres) = text.parse::<f64>()
+                {
+                    return Some(metres).filter(|metres| metres.is_finite() && *metres > 0.0);
+                }
+                word = text;
+            }
+        }
+    }
+    None
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -144,5 +171,17 @@ mod tests {
             proptest::prop_assert!(horizontal.is_none_or(|h| text.contains("PROJCS") && text.contains(&h.name)));
             proptest::prop_assert!(vertical.is_none_or(|v| text.contains("VERT_CS") && text.contains(&v.name)));
         }
+    }
+
+    #[test]
+    fn units_of_projected_systems() {
+        let wkt1 = r#"PROJCS["a",GEOGCS["g",SPHEROID["s",6378137,298.2],UNIT["degree",0.0174]],PARAMETER["p",9],
+            UNIT["US survey foot",0.304800609601219,AUTHORITY["EPSG","9003"]],AXIS["x",EAST]]"#;
+        let wkt2 = r#"PROJCRS["a",BASEGEOGCRS["g",DATUM["d",ELLIPSOID["e",6378137,298.2,LENGTHUNIT["metre",1]]]],
+            CS[Cartesian,2],AXIS["(E)",east,ORDER[1],LENGTHUNIT["foot",0.3048]]]"#;
+        let degrees = r#"GEOGCS["g",SPHEROID["s",6378137,298.2],UNIT["degree",0.0174]]"#;
+        assert_eq!(metres_per_unit(wkt1), Some(0.304800609601219));
+        assert_eq!(metres_per_unit(wkt2), Some(0.3048));
+        assert_eq!([degrees, "", "PROJCS[", r#"PROJCS["a",UNIT["x",-1]]"#].map(metres_per_unit), [None; 4]);
     }
 }

@@ -6,7 +6,7 @@
 //!    taken one, in order of `i`, to the `k`-th free slot, in order of slots.
 //! 3. `moved_to[i]` remembers where the point went that `i` evicted.
 
-use super::permutation::Permutation;
+use super::permutation::{Permutation, SlotOrder};
 
 /// Most points that a backend takes as one insertion: 24 MiB on their way, 16 times that in a ring.
 pub const MAX_INSERTION_POINTS: u32 = 1 << 20;
@@ -22,7 +22,12 @@ pub struct Insertion {
 impl Insertion {
     /// The `index`-th insertion of a store with this `seed`.
     pub fn new(old: u32, new: u32, seed: u64, index: u64) -> Insertion {
-        Insertion { old, new, permutation: Permutation::new(old + new, seed, index) }
+        Insertion::in_order(SlotOrder::Shuffled, old, new, seed, index)
+    }
+
+    /// The same in another order than the shuffled one, for measuring what the shuffle is worth.
+    pub fn in_order(order: SlotOrder, old: u32, new: u32, seed: u64, index: u64) -> Insertion {
+        Insertion { old, new, permutation: Permutation::in_order(order, old, new, seed, index) }
     }
 
     /// For each new point the slot where the old point went that it evicted; `u32::MAX` if it evicted

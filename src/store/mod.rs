@@ -12,4 +12,4 @@ mod permutation;
 
 pub use coverage::Coverage;
 pub use insertion::{Insertion, MAX_INSERTION_POINTS};
-pub use permutation::{Permutation, ROUNDS};
+pub use permutation::{Permutation, ROUNDS, SlotOrder};

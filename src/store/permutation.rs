@@ -7,10 +7,27 @@
 /// after the other (chi-square z = 12 over 20,000 seeds); with eight both are (`tests/shuffle.rs`).
 pub const ROUNDS: usize = 8;
 
+/// Which slots an insertion gives to new points. A viewer has one answer; the others are what it is measured
+/// against.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum SlotOrder {
+    /// Uniformly random ones, among all.
+    #[default]
+    Shuffled,
+    /// Those behind the old points, shuffled among the points of the insertion only.
+    BatchShuffled,
+    /// Those behind the old points, in order of arrival: no shuffle.
+    Arrival,
+}
+
 /// A bijection of `[0, len)`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Permutation {
     len: u32,
+    /// Only `[0, domain)` is shuffled; all of it but for measuring other orders.
+    domain: u32,
+    /// Added to what the shuffle gives, round the end.
+    shift: u32,
     /// Bits of the left half before an even round; the right half has the other `bits - left_bits`.
     left_bits: u32,
     right_bits: u32,
@@ -26,14 +43,28 @@ impl Permutation {
 
     /// As [`Permutation::new`] with fewer rounds, to show that the uniformity test can fail.
     pub fn with_rounds(len: u32, seed: u64, index: u64, rounds: u32) -> Permutation {
+        Permutation::shuffling(len, len, 0, seed, index, rounds)
+    }
+
+    /// The permutation of `[0, old + new)` that sends the first `new` numbers where `order` says.
+    pub fn in_order(order: SlotOrder, old: u32, new: u32, seed: u64, index: u64) -> Permutation {
+        let (domain, shift) = match order {
+            SlotOrder::Shuffled => (old + new, 0),
+            SlotOrder::BatchShuffled => (new, old),
+            SlotOrder::Arrival => (0, old),
+        };
+        Permutation::shuffling(old + new, domain, shift, seed, index, ROUNDS as u32)
+    }
+
+    fn shuffling(len: u32, domain: u32, shift: u32, seed: u64, index: u64, rounds: u32) -> Permutation {
         assert!(rounds as usize <= ROUNDS && rounds.is_multiple_of(2), "an even number of rounds up to {ROUNDS}");
-        let bits = (u32::BITS - len.saturating_sub(1).leading_zeros()).max(2);
+        let bits = (u32::BITS - domain.saturating_sub(1).leading_zeros()).max(2);
         let mut state = split_mix(seed ^ split_mix(index));
         let keys = std::array::from_fn(|_| {
             state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
             (split_mix(state) >> 32) as u32
         });
-        Permutation { len, left_bits: bits / 2, right_bits: bits - bits / 2, rounds, keys }
+        Permutation { len, domain, shift, left_bits: bits / 2, right_bits: bits - bits / 2, rounds, keys }
     }
 
     pub fn len(&self) -> u32 {
@@ -49,26 +80,35 @@ impl Permutation {
         (self.left_bits, self.right_bits, self.keys)
     }
 
+    /// How many numbers are shuffled, and what is then added to all: what the kernel needs besides.
+    pub fn domain_and_shift(&self) -> (u32, u32) {
+        (self.domain, self.shift)
+    }
+
     /// Where `i` goes, for `i < len`.
     pub fn apply(&self, i: u32) -> u32 {
         let mut x = i;
-        loop {
+        if i < self.domain {
             x = self.encrypt(x);
-            if x < self.len {
-                return x;
+            while x >= self.domain {
+                x = self.encrypt(x);
             }
         }
+        // `x + shift` may not fit 32 bits.
+        let before_end = self.len - self.shift;
+        if x < before_end { x + self.shift } else { x - before_end }
     }
 
     /// What goes to `s`, for `s < len`.
     pub fn invert(&self, s: u32) -> u32 {
-        let mut x = s;
-        loop {
+        let mut x = if s >= self.shift { s - self.shift } else { s + (self.len - self.shift) };
+        if x < self.domain {
             x = self.decrypt(x);
-            if x < self.len {
-                return x;
+            while x >= self.domain {
+                x = self.decrypt(x);
             }
         }
+        x
     }
 
     // The halves differ by a bit where the number of bits is odd; they swap places every round, so
@@ -128,6 +168,27 @@ mod tests {
                     let s = p.apply(i);
                     assert!(!std::mem::replace(&mut seen[s as usize], true), "len {len}: {s} twice");
                     assert_eq!(p.invert(s), i);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn other_orders_send_new_points_behind_the_old() {
+        for (old, new) in [(0, 1), (1, 1), (5, 3), (3, 5), (256, 255), (4097, 33), (1, 4097), (u32::MAX - 9, 9)] {
+            for order in [SlotOrder::Shuffled, SlotOrder::BatchShuffled, SlotOrder::Arrival] {
+                let p = Permutation::in_order(order, old, new, 7, 1);
+                let mut slots: Vec<u32> = (0..new).map(|i| p.apply(i)).collect();
+                assert!((0..new).all(|i| p.invert(slots[i as usize]) == i), "{order:?} {old} + {new}");
+                assert!((old.saturating_sub(3)..old).all(|i| p.apply(p.invert(i)) == i));
+                match order {
+                    SlotOrder::Shuffled => assert_eq!(p, Permutation::new(old + new, 7, 1)),
+                    SlotOrder::Arrival => assert!(slots.iter().copied().eq(old..old + new)),
+                    SlotOrder::BatchShuffled => {
+                        assert_eq!(slots.is_sorted(), new < 5, "a few may stay in order");
+                        slots.sort_unstable();
+                        assert!(slots.into_iter().eq(old..old + new));
+                    }
                 }
             }
         }

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use firstlight::{
     render::{
         Backend, BackendInfo, Camera, CpuBackend, FillBudget, FramePlan, FrameReport, FrameRequest, PassTimes, Picture,
-        Progressive, RasterChoice, RenderError, Shading, StoreOptions,
+        Progressive, RasterChoice, RenderError, Reprojection, Shading, StoreOptions,
     },
     scene::{PointBatch, SceneFacts},
     store::Insertion,
@@ -180,6 +180,56 @@ fn camera_moved_after_loading() {
 }
 
 #[test]
+fn a_picture_aside_leaves_no_trace() {
+    let cloud = Cloud::town(30_000).in_random_order();
+    for (mut watched, mut alone) in
+        Session::all(&cloud, options(1000)).into_iter().zip(Session::all(&cloud, options(1000)))
+    {
+        let (mut unlike, mut step) = (0, 0);
+        for start in (0..cloud.len()).step_by(3000) {
+            let request = request(&cloud, &cloud.camera_moved(step / 3), 2, 700);
+            for session in [&mut watched, &mut alone] {
+                session.offer(&cloud, start..start + 3000, 1000);
+                session.frame(&request);
+            }
+            let picture = watched.read();
+            let truth = watched.progressive.truth(&request).unwrap();
+            unlike += usize::from(difference(&picture, &truth).is_some());
+            assert_eq!(difference(&picture, &alone.read()), None, "{}, step {step}", watched.name);
+            step += 1;
+        }
+        assert!(unlike > 2, "{}: it is another picture than the frame's", watched.name);
+        let request = request(&cloud, &cloud.camera_moved(1), 2, 700);
+        let truth = watched.progressive.truth(&request).unwrap();
+        assert_eq!(difference(&truth, &alone.brute_force(&request)), None, "{}", watched.name);
+    }
+}
+
+#[test]
+fn other_ways_to_reproject_are_worse() {
+    let cloud = Cloud::town(30_000).in_random_order();
+    let covered_after = |reprojection| {
+        let mut session = Session::new("cpu".into(), Box::new(CpuBackend::new(Some(2))), &cloud.facts, options(30_000));
+        session.progressive.set_reprojection(reprojection);
+        session.offer(&cloud, 0..cloud.len(), cloud.len());
+        session.progressive.end_of_input();
+        let at = |step| request(&cloud, &cloud.camera_moved(step), 2, 700);
+        session.converge(&at(0), |_| ());
+        session.frame(&at(1));
+        let moved = covered(&session.read());
+        session.frame(&at(1));
+        (moved, covered(&session.read()))
+    };
+    let always = covered_after(Reprojection::Always);
+    let while_still = covered_after(Reprojection::WhileStill);
+    let never = covered_after(Reprojection::Never);
+    assert!(2 * always.0 > 3 * while_still.0, "{always:?} {while_still:?}");
+    assert_eq!(while_still.0, never.0, "the first frame of another view is a sample");
+    assert!(5 * while_still.1 > 6 * never.1, "{while_still:?} gathers, {never:?} does not");
+    assert!(never.1 < while_still.1);
+}
+
+#[test]
 fn nothing_is_drawn_once_converged() {
     let cloud = Cloud::town(10_000);
     for mut session in Session::all(&cloud, options(3000)) {
@@ -346,6 +396,9 @@ impl Backend for Small {
             return Err(RenderError::OutOfMemory { stored: insertion.old.into(), detail: "a test".into() });
         }
         self.cpu.insert(insertion, points)
+    }
+    fn set_relocation(&mut self, on: bool) {
+        self.cpu.set_relocation(on);
     }
     fn draw(&mut self, plan: &FramePlan) -> Result<(), RenderError> {
         self.cpu.draw(plan)

@@ -53,7 +53,7 @@ fn host_structs_have_the_layout_of_the_shaders() {
     );
     assert_eq!(
         layout_of(&shaders::INSERT, "Insertion"),
-        host_layout!(InsertionUniform: old_points, new_points, left_bits, right_bits, keys, fresh_before, staging_capacity, unused_a, unused_b)
+        host_layout!(InsertionUniform: old_points, new_points, left_bits, right_bits, keys, fresh_before, staging_capacity, domain, shift)
     );
     assert_eq!(layout_of(&shaders::RESOLVE, "FileColor"), host_layout!(FileColor: first_record, kind, low, high));
     assert_eq!(

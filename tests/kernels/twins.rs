@@ -9,7 +9,7 @@ use firstlight::{
         RasterChoice, Shading, StoreOptions,
     },
     scene::ColorRule,
-    store::Insertion,
+    store::{Insertion, SlotOrder},
 };
 
 use crate::{
@@ -87,7 +87,9 @@ fn check(r: Run, page_points: Option<u32>) {
 #[test]
 fn insertion_equals_its_twin() {
     let batches: [u32; 14] = [1, 1, 2, 31, 32, 33, 255, 256, 257, 1, 4097, 65_536, 70_000, 3];
-    for page_points in [None, Some(64), Some(4097)] {
+    let other = [SlotOrder::BatchShuffled, SlotOrder::Arrival].map(|order| (Some(4097), order));
+    for (page_points, order) in [None, Some(64), Some(4097)].map(|p| (p, SlotOrder::Shuffled)).into_iter().chain(other)
+    {
         let Some(mut backend) = gpu(RasterChoice::Compute) else { return };
         // Pages of 64 points would be thousands at the larger sizes.
         let batches = if page_points == Some(64) { &batches[..11] } else { &batches[..] };
@@ -99,7 +101,7 @@ fn insertion_equals_its_twin() {
         let view = cloud.camera().view(&cloud.facts.grid, [64, 64], 1).unwrap();
         for (index, &new) in batches.iter().enumerate() {
             let old = expected.len() as u32;
-            let insertion = Insertion::new(old, new, 3, index as u64);
+            let insertion = Insertion::in_order(order, old, new, 3, index as u64);
             let batch = cloud.batch(old as usize..(old + new) as usize);
             backend.insert(&insertion, &batch).unwrap();
             let plan = FramePlan {
@@ -109,11 +111,12 @@ fn insertion_equals_its_twin() {
                 fill: [0..0, 0..0],
                 shading: Shading::default(),
                 files: vec![FileColor::new(0, ColorRule::Rgb16)],
+                aside: false,
             };
             backend.draw(&plan).unwrap();
             insertion.apply(&mut expected, &batch.records, &insertion.moved_to());
             let points = backend.store_mut().read_points().unwrap();
-            let case = format!("pages {page_points:?}, batch {index} of {new} points");
+            let case = format!("{order:?}, pages {page_points:?}, batch {index} of {new} points");
             assert!(points.records[..expected.len()] == expected, "{case}: records");
             let all = cloud.batch(0..total as usize);
             for (slot, &record) in expected.iter().enumerate() {
@@ -121,11 +124,8 @@ fn insertion_equals_its_twin() {
                 assert_eq!(points.colors[slot], all.colors[record as usize], "{case}: slot {slot}");
             }
         }
-        assert_ne!(
-            expected,
-            (0..total).collect::<Vec<_>>(),
-            "the comparison can fail: this is not the order of arrival"
-        );
+        let is_arrival = expected.into_iter().eq(0..total);
+        assert_eq!(is_arrival, order == SlotOrder::Arrival, "the comparison can fail: the orders differ");
     }
 }
 

@@ -10,6 +10,7 @@ mod bench;
 mod command_line;
 mod damaged;
 mod ingest;
+mod measure;
 mod picture;
 mod projection;
 mod raster;

@@ -325,6 +325,9 @@ impl Backend for Timed {
         self.insert_secs += begun.elapsed().as_secs_f64();
         inserted
     }
+    fn set_relocation(&mut self, on: bool) {
+        self.inner.set_relocation(on);
+    }
     fn draw(&mut self, plan: &FramePlan) -> Result<(), RenderError> {
         self.inner.draw(plan)
     }

@@ -37,7 +37,7 @@ mod curves;
 mod input;
 mod orders;
 mod page;
-mod plot;
+pub(super) mod plot;
 mod reference;
 mod report;
 mod run;

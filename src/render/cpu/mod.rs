@@ -70,12 +70,6 @@ impl CpuBackend {
         }
     }
 
-    /// Switches off the `moved_to` look-up of points whose slots are taken over (or on again). For
-    /// measuring what the look-up is worth: without it, a picture loses points while a file loads.
-    pub fn set_relocation(&mut self, on: bool) {
-        self.relocation = on;
-    }
-
     /// Makes the picture all background.
     fn clear(&mut self) {
         for word in &mut self.words {
@@ -146,6 +140,10 @@ impl Backend for CpuBackend {
         Ok(())
     }
 
+    fn set_relocation(&mut self, on: bool) {
+        self.relocation = on;
+    }
+
     fn draw(&mut self, plan: &FramePlan) -> Result<(), RenderError> {
         let mut last = Instant::now();
         let mut lap = || std::mem::replace(&mut last, Instant::now()).elapsed().as_secs_f64();
@@ -164,7 +162,9 @@ impl Backend for CpuBackend {
         if plan.fresh {
             self.draw_slots(plan, &self.fresh);
         }
-        self.fresh.clear();
+        if !plan.aside {
+            self.fresh.clear();
+        }
         times.fresh = lap();
         for range in &plan.fill {
             times.fill_points += range.end - range.start;
@@ -176,7 +176,9 @@ impl Backend for CpuBackend {
             });
         }
         times.fill = lap();
-        index::build(&mut self.visible, &self.words, &plan.view, self.threads);
+        if !plan.aside {
+            index::build(&mut self.visible, &self.words, &plan.view, self.threads);
+        }
         times.index = lap();
         self.resolved.resolve(plan, &self.words, &self.store, &self.ramp, self.threads);
         times.resolve = lap();

@@ -93,6 +93,7 @@ fn probe(backend: &mut GpuBackend) -> Result<(f64, Option<f64>), RenderError> {
         fill: [0..PROBE_POINTS, 0..0],
         shading: Shading::default(),
         files: vec![],
+        aside: false,
     };
     let mut secs = (f64::INFINITY, None);
     for _ in 0..2 {

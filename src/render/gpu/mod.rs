@@ -177,7 +177,9 @@ impl GpuBackend {
                 raster.record(encoder, &mut self.timer, targets, &self.store, sources, instances);
             }
         }
-        self.index.record(&self.device, encoder, &mut self.timer, targets, &self.store.lists);
+        if !plan.aside {
+            self.index.record(&self.device, encoder, &mut self.timer, targets, &self.store.lists);
+        }
         self.resolve.record(&self.device, encoder, &mut self.timer, targets, &self.store.pages);
     }
 
@@ -235,6 +237,10 @@ impl Backend for GpuBackend {
         Ok(())
     }
 
+    fn set_relocation(&mut self, on: bool) {
+        self.store.set_relocation(on);
+    }
+
     fn draw(&mut self, plan: &FramePlan) -> Result<(), RenderError> {
         self.check_device()?;
         self.resize([plan.view.width, plan.view.height])?;
@@ -258,7 +264,9 @@ impl Backend for GpuBackend {
         self.timer.end(&mut encoder, work);
         self.queue.submit([encoder.finish()]);
         self.timer.submitted(&self.device, &self.queue, work);
-        self.store.forget_fresh();
+        if !plan.aside {
+            self.store.forget_fresh();
+        }
         self.targets = Some(targets);
         self.check_device()
     }

@@ -39,8 +39,8 @@ pub struct InsertionUniform {
     pub keys: [u32; ROUNDS],
     pub fresh_before: u32,
     pub staging_capacity: u32,
-    pub unused_a: u32,
-    pub unused_b: u32,
+    pub domain: u32,
+    pub shift: u32,
 }
 
 /// One batch uploaded and not yet inserted.
@@ -179,6 +179,7 @@ impl GpuStore {
         let Some(scratch) = &self.scratch else { unreachable!("just made") };
         let staging = &scratch.ring[self.pending.len()];
         let (left_bits, right_bits, keys) = insertion.permutation.parts();
+        let (domain, shift) = insertion.permutation.domain_and_shift();
         let uniform = InsertionUniform {
             old_points: insertion.old,
             new_points: insertion.new,
@@ -187,8 +188,8 @@ impl GpuStore {
             keys,
             fresh_before: self.fresh_points,
             staging_capacity: scratch.capacity,
-            unused_a: 0,
-            unused_b: 0,
+            domain,
+            shift,
         };
         self.queue.write_buffer(&staging.uniform, 0, bytemuck::bytes_of(&uniform));
         let capacity = u64::from(scratch.capacity);

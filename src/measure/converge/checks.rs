@@ -1,0 +1,263 @@
+//! What must hold of a measurement, or its figures mean nothing.
+
+use super::{
+    report::{ConvergeReport, Frame, Run, is_moving},
+    settings::{Clock, Fill, VIEWER_POINT_SIZE, Variant},
+};
+use crate::measure::raster::Check;
+
+/// Standard deviations that a uniform sample may lie off, of some thousand that a measurement looks at: less than one
+/// in a hundred million does.
+pub const SIGMAS: f64 = 6.0;
+
+/// Least deviation that counts, pixels: where nearly all pixels are expected, single ones decide, and those are
+/// distributed otherwise than by a bell curve.
+const LEAST_SIGMA_PIXELS: f64 = 2.0;
+
+/// How much quicker and less wrong at once another setting may be before the viewer's choice is not next to the front:
+/// frame times of one setting differ by as much from run to run on a busy machine.
+const NEXT_TO: f64 = 0.8;
+
+/// The checks of a report.
+pub fn checks(report: &ConvergeReport) -> Vec<Check> {
+    let mut checks = Vec::new();
+    let of = |variant: Variant| report.runs.iter().filter(move |run| run.variant == variant);
+    checks.push(told(
+        "no picture of the shuffled store is worse than a uniform random sample of the points tried",
+        worst(of(Variant::Firstlight)),
+        |z| z >= -SIGMAS,
+        |z| format!("at worst {z:.1} standard deviations above"),
+    ));
+    checks.push(told(
+        "frames at rest end with the picture of all points, record for record",
+        of(Variant::Firstlight).flat_map(last_of_rests).filter_map(|frame| frame.received.right_share).reduce(f64::min),
+        |share| share == 1.0,
+        |share| format!("{:.4} % of the pixels are right where it is worst", 100.0 * share),
+    ));
+    if of(Variant::NoReprojection).next().is_some() {
+        // At rest, a later frame shows only the last of the samples tried.
+        let is_first = |frame: &&Frame| is_moving(&frame.phase) && frame.points_tried == u64::from(frame.fill);
+        let frames = of(Variant::NoReprojection).flat_map(|run| &run.frames).filter(is_first);
+        let both = frames.flat_map(deviations);
+        checks.push(told(
+            "without reprojection, frames in motion are uniform random samples, no better and no worse",
+            both.map(f64::abs).reduce(f64::max),
+            |z| z <= SIGMAS,
+            |z| format!("at most {z:.1} standard deviations off"),
+        ));
+    }
+    if of(Variant::Unshuffled).next().is_some() {
+        let found = worst(of(Variant::Unshuffled));
+        let what = "the check of the shuffle fails for an unshuffled buffer";
+        // A file whose points lie in random order has nothing to tell.
+        let holds = found.filter(|z| *z < -SIGMAS).map(|_| true);
+        let text = found.map_or("no frame tells".into(), |z| format!("at worst {z:.1} standard deviations above"));
+        checks.push(Check { what: what.into(), holds, found: text });
+    }
+    if report.clock == Clock::Real {
+        let frames = || report.runs.iter().flat_map(|run| &run.frames);
+        let unlike = frames().filter(|frame| frame.differs_from_log).count();
+        checks.push(Check {
+            what: "the frames that were compared are those that were timed".into(),
+            holds: frames().next().map(|_| unlike == 0),
+            found: format!("{unlike} frames differ"),
+        });
+        checks.extend(viewers_choice(report));
+    } else if report.runs.iter().any(|run| run.round > 1) {
+        let differs = |run: &&Run| {
+            let first = report.runs.iter().find(|first| same_setting(first, run));
+            first.is_some_and(|first| first.frames != run.frames)
+        };
+        let unlike = report.runs.iter().filter(differs).count();
+        checks.push(Check {
+            what: "repeated runs give the same frames".into(),
+            holds: Some(unlike == 0),
+            found: format!("{unlike} runs differ from the first of their setting"),
+        });
+    }
+    checks
+}
+
+/// Whether two runs differ at most by their round.
+pub fn same_setting(a: &Run, b: &Run) -> bool {
+    (a.variant, a.fill, a.point_size_px, &a.raster) == (b.variant, b.fill, b.point_size_px, &b.raster)
+}
+
+fn told<T: Copy>(what: &str, found: Option<T>, holds: impl Fn(T) -> bool, tell: impl Fn(T) -> String) -> Check {
+    Check { what: what.into(), holds: found.map(holds), found: found.map_or("no frame tells".into(), tell) }
+}
+
+/// How many standard deviations a frame shows more than a uniform sample of the points tried: pixels covered, and
+/// pixels with the nearest depth. Only where the whole file is loaded, and not all of it tried.
+pub fn deviations(frame: &Frame) -> Vec<f64> {
+    let Some(expected) = frame.expected.filter(|e| e.sample < e.of && frame.points_stored == e.of) else {
+        return Vec::new();
+    };
+    let least = LEAST_SIGMA_PIXELS / frame.received.truth_pixels.max(1) as f64;
+    let z = |found: Option<f64>, share: f64, sigma: f64| Some((found? - share) / sigma.max(least));
+    [
+        z(frame.received.covered_share, expected.covered_share, expected.covered_sigma),
+        z(frame.received.front_share, expected.front_share, expected.front_sigma),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
+fn worst<'a>(runs: impl Iterator<Item = &'a Run>) -> Option<f64> {
+    runs.flat_map(|run| run.frames.iter().flat_map(deviations)).reduce(f64::min)
+}
+
+/// The last frame of each phase in which the camera rests.
+fn last_of_rests(run: &Run) -> impl Iterator<Item = &Frame> {
+    let phases = run.frames.chunk_by(|a, b| a.phase == b.phase);
+    phases.filter_map(|frames| frames.last()).filter(|frame| frame.phase != "loading" && !is_moving(&frame.phase))
+}
+
+/// A setting's cost and error: in motion, or at rest.
+pub type Dot = (f64, f64);
+
+/// Frame time (milliseconds; points per frame with the virtual clock) and 1 − SSIM, in motion.
+pub fn moving_dot(run: &Run) -> Option<Dot> {
+    let h = &run.headline;
+    Some((h.moving_frame_ms.or(h.moving_fill)?, h.moving_error?))
+}
+
+/// The same at rest: the area under the curve of 1 − SSIM until the picture has converged.
+pub fn rest_dot(run: &Run) -> Option<Dot> {
+    let h = &run.headline;
+    Some((h.rest_frame_ms.or(h.moving_fill)?, h.rest_error_secs.or(h.rest_error_frames)?))
+}
+
+/// Whether a run is of the settings that the viewer takes by itself.
+pub fn is_viewers_choice(run: &Run) -> bool {
+    run.variant == Variant::Firstlight && run.fill == Fill::Auto && run.point_size_px == VIEWER_POINT_SIZE
+}
+
+fn viewers_choice(report: &ConvergeReport) -> Vec<Check> {
+    let kinds = [("in motion", moving_dot as fn(&Run) -> Option<Dot>), ("at rest", rest_dot)];
+    let ours = |run: &&Run| run.variant == Variant::Firstlight;
+    let mut checks = Vec::new();
+    for (when, dot) in kinds {
+        let Some(chosen) = report.runs.iter().find(|run| is_viewers_choice(run)).and_then(dot) else { continue };
+        let others = || report.runs.iter().filter(ours).filter(|run| !is_viewers_choice(run));
+        let beaten = |run: &&Run| dot(run).is_some_and(|(x, y)| x < NEXT_TO * chosen.0 && y < NEXT_TO * chosen.1);
+        let better: Vec<String> = others().filter(beaten).map(Run::label).collect();
+        checks.push(Check {
+            what: format!("the viewer's choice of fill and point size lies on the front or next to it, {when}"),
+            holds: others().next().map(|_| better.is_empty()),
+            found: if better.is_empty() {
+                format!("no setting has a fifth less of both than {:.3} ms and an error of {:.4}", chosen.0, chosen.1)
+            } else {
+                format!("a fifth less of both: {}", better.join("; "))
+            },
+        });
+    }
+    checks
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measure::converge::{headline::tests::frame, report::Headline, theory::Expected};
+
+    fn run(variant: Variant, fill: Fill, point_size_px: u32, frames: Vec<Frame>) -> Run {
+        let headline = Headline::of(&frames);
+        Run { variant, fill, point_size_px, raster: None, round: 1, headline, frames }
+    }
+
+    /// A frame of which a sample of 100 of 1000 points should cover 0.5 ± 0.01.
+    fn sampled(n: u32, phase: &str, share: f64) -> Frame {
+        let expected = Expected {
+            sample: 100,
+            of: 1000,
+            covered_share: 0.5,
+            covered_sigma: 0.01,
+            front_share: 0.5,
+            front_sigma: 0.01,
+            right_share: 0.1,
+        };
+        Frame { expected: Some(expected), points_stored: 1000, fill: 100, ..frame(n, phase, share, true) }
+    }
+
+    fn verdicts(runs: Vec<Run>, clock: Clock) -> Vec<Option<bool>> {
+        let report = ConvergeReport { runs, clock, ..ConvergeReport::for_tests() };
+        checks(&report).into_iter().map(|check| check.holds).collect()
+    }
+
+    #[test]
+    fn worse_than_a_sample_fails() {
+        let of = |share| {
+            verdicts(vec![run(Variant::Firstlight, Fill::Auto, 2, vec![sampled(0, "orbit", share)])], Clock::Virtual)
+        };
+        assert_eq!(of(0.45)[0], Some(true));
+        assert_eq!(of(0.9)[0], Some(true), "what was visible before comes on top");
+        assert_eq!(of(0.43)[0], Some(false));
+        let loading = Frame { points_stored: 100, ..sampled(0, "loading", 0.1) };
+        let runs = vec![run(Variant::Firstlight, Fill::Auto, 2, vec![loading])];
+        assert_eq!(verdicts(runs, Clock::Virtual)[0], None, "the order of the file is no shuffle");
+    }
+
+    #[test]
+    fn a_sample_may_not_be_better_either() {
+        let of = |share| {
+            let frames = vec![sampled(0, "orbit", share)];
+            verdicts(vec![run(Variant::NoReprojection, Fill::Auto, 2, frames)], Clock::Virtual)[2]
+        };
+        assert_eq!([0.43, 0.46, 0.54, 0.57].map(of), [Some(false), Some(true), Some(true), Some(false)]);
+        let unshuffled = |share| {
+            let frames = vec![sampled(0, "orbit", share)];
+            verdicts(vec![run(Variant::Unshuffled, Fill::Auto, 2, frames)], Clock::Virtual)[2]
+        };
+        assert_eq!([0.3, 0.5].map(unshuffled), [Some(true), None]);
+    }
+
+    #[test]
+    fn a_rest_must_end_right() {
+        let of = |last| {
+            let frames = vec![
+                frame(0, "still", 1.0, false),
+                frame(1, "orbit", 0.4, false),
+                frame(2, "after orbit", last, false),
+            ];
+            verdicts(vec![run(Variant::Firstlight, Fill::Auto, 2, frames)], Clock::Virtual)[1]
+        };
+        assert_eq!([1.0, 0.9999].map(of), [Some(true), Some(false)]);
+    }
+
+    #[test]
+    fn rounds_of_the_virtual_clock_must_agree() {
+        let of = |share| {
+            let a = run(Variant::Firstlight, Fill::Points(5), 1, vec![frame(0, "loading", 0.5, false)]);
+            let b = run(Variant::Firstlight, Fill::Points(5), 1, vec![frame(0, "loading", share, false)]);
+            verdicts(vec![a, Run { round: 2, ..b }], Clock::Virtual).last().copied().flatten()
+        };
+        assert_eq!([0.5, 0.6].map(of), [Some(true), Some(false)]);
+    }
+
+    #[test]
+    fn a_choice_that_is_beaten_twice_fails() {
+        let timed = |ms: f64, share: f64| {
+            let mut frame = frame(0, "orbit", share, true);
+            frame.times.as_mut().unwrap().frame_secs = ms * 1e-3;
+            vec![frame]
+        };
+        let of = |ms, share| {
+            let chosen = run(Variant::Firstlight, Fill::Auto, 2, timed(16.0, 0.5));
+            let other = run(Variant::Firstlight, Fill::Points(5), 2, timed(ms, share));
+            let verdicts = verdicts(vec![chosen, other], Clock::Real);
+            assert_eq!(verdicts.len(), 5, "in motion and at rest");
+            verdicts[3]
+        };
+        assert_eq!(of(10.0, 0.4), Some(true), "quicker, and worse");
+        assert_eq!(of(15.0, 0.55), Some(true), "next to it");
+        assert_eq!(of(10.0, 0.7), Some(false));
+    }
+
+    #[test]
+    fn a_frame_that_was_not_the_timed_one_is_told() {
+        let other = Frame { differs_from_log: true, ..frame(0, "loading", 0.5, true) };
+        let runs = vec![run(Variant::Firstlight, Fill::Points(5), 2, vec![other])];
+        assert_eq!(verdicts(runs, Clock::Real)[2], Some(false));
+    }
+}

@@ -1,0 +1,206 @@
+//! All runs of a measurement: every setting, in turn.
+
+use super::{
+    ConvergeError,
+    checks::checks,
+    driver::{self, Driver},
+    input::{Feeder, Recording},
+    live,
+    motion::{Director, Phase, phases},
+    replay::{Script, replay},
+    report::{ConvergeReport, Frame, Headline, Run, TITLE},
+    settings::{Clock, Fill, Measure, Setting, Variant},
+};
+use crate::{
+    headless::default_camera,
+    measure::{machine::Machine, report_dir::ReportDirError},
+    render::{BackendInfo, Camera, FillBudget, INSERTION_POINTS, Picture, Raster, RasterChoice, Shading, View},
+    source::Order,
+};
+
+use super::motion::Motion;
+
+/// Who follows a measurement.
+pub trait Watcher {
+    /// `done` of `total` runs; `what` goes on.
+    fn step(&mut self, done: usize, total: usize, what: &str);
+    /// Keeps what there is so far.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    fn save(&mut self, report: &ConvergeReport) -> Result<(), ReportDirError>;
+}
+
+/// Virtual frames that loading takes, unless the scan is large; the points of each frame, and the points that enter
+/// the store at a time, follow from it.
+const LOADING_FRAMES: u64 = 32;
+/// Fewest and most points of such a frame. Every backend can insert as many between two frames.
+const LEAST_LOAD: u64 = 1000;
+pub const MOST_LOAD: u32 = 6 * INSERTION_POINTS;
+
+/// Points that arrive per virtual frame.
+fn load(measure: &Measure, points: u64) -> u64 {
+    let default = points.div_ceil(LOADING_FRAMES).clamp(LEAST_LOAD, MOST_LOAD.into());
+    measure.load.map_or(default, |load| u64::from(load.clamp(1, MOST_LOAD)))
+}
+
+/// Measures everything asked for and keeps the report as it grows.
+///
+/// # Errors
+/// If nothing can be read, no device does what is asked, or the report cannot be kept.
+pub fn measure(measure: &Measure, watcher: &mut dyn Watcher) -> Result<ConvergeReport, ConvergeError> {
+    let settings = measure.settings();
+    let Some(first) = settings.first() else { return Err(ConvergeError::NoPoints) };
+    if measure.clock == Clock::Virtual && measure.fills.contains(&Fill::Auto) {
+        return Err(ConvergeError::AutoNeedsTime);
+    }
+    watcher.step(0, settings.len() * measure.repeat as usize, "reading the points");
+    let scan = Recording::new(&measure.input, Order::PreviewFirst, measure.threads)?;
+    let needs_file_order = settings.iter().any(|setting| setting.variant == Variant::Unshuffled);
+    let in_file_order =
+        needs_file_order.then(|| Recording::new(&measure.input, Order::File, measure.threads)).transpose()?;
+    let info = driver::describe(measure, first)?;
+    // What was measured to be faster once is not measured again, or runs could differ.
+    let settle = |setting: &Setting| match setting.raster {
+        RasterChoice::Auto => Setting { raster: choice_of(info.raster), ..*setting },
+        _ => *setting,
+    };
+    let settings: Vec<Setting> = settings.iter().map(settle).collect();
+    let camera = first_camera(measure, &scan);
+    let phases = phases(camera, &measure.motions);
+    let mut report = empty(measure, &scan, &info, camera, &phases);
+    let total = settings.len() * measure.repeat as usize;
+    for round in 1..=measure.repeat {
+        // Every second round backwards: nobody always follows the same neighbour.
+        let forwards = 0..settings.len();
+        let order: Vec<usize> = if round % 2 == 0 { forwards.rev().collect() } else { forwards.collect() };
+        for i in order {
+            let setting = &settings[i];
+            let mut run = Run {
+                variant: setting.variant,
+                fill: setting.fill,
+                point_size_px: setting.point_size,
+                raster: (measure.rasters.len() > 1).then(|| format!("{:?}", setting.raster).to_lowercase()),
+                round,
+                headline: Headline::default(),
+                frames: Vec::new(),
+            };
+            let recording = match &in_file_order {
+                Some(recording) if setting.variant == Variant::Unshuffled => recording,
+                _ => &scan,
+            };
+            let name = match setting.variant {
+                Variant::Firstlight => format!("firstlight, {}", run.label()),
+                other => other.name().into(),
+            };
+            let done = report.runs.len();
+            let mut each = |frame: &Frame| watcher.step(done, total, &format!("{name}: {}", frame.phase));
+            run.frames = one_run(measure, setting, recording, &phases, load(measure, scan.points), &mut each)?;
+            run.headline = Headline::of(&run.frames);
+            report.runs.push(run);
+            report.checks = checks(&report);
+            report.complete = report.runs.len() == total;
+            if let (Some(machine), true) = (&mut report.machine, report.complete) {
+                machine.finish();
+            }
+            watcher.save(&report)?;
+        }
+    }
+    watcher.step(total, total, "done");
+    Ok(report)
+}
+
+/// One setting: what it does first, then the same with comparisons.
+fn one_run(
+    measure: &Measure,
+    setting: &Setting,
+    recording: &Recording,
+    phases: &[Phase],
+    load: u64,
+    each: &mut dyn FnMut(&Frame),
+) -> Result<Vec<Frame>, ConvergeError> {
+    let start = phases.first().map_or(Camera::fit(&recording.facts.bounds, &recording.facts.grid, 1.0), |p| p.start);
+    let view_of = |camera: &Camera| -> Result<View, ConvergeError> {
+        Ok(camera.view(&recording.facts.grid, measure.size, setting.point_size)?)
+    };
+    let (truth, script, insertion_points): (Picture, Script<'_>, u32) = match (measure.clock, setting.fill) {
+        (Clock::Virtual, Fill::Auto) => return Err(ConvergeError::AutoNeedsTime),
+        (Clock::Virtual, Fill::Points(fill)) => {
+            let insertion_points = load.min(INSERTION_POINTS.into()) as u32;
+            let mut driver = Driver::new(measure, setting, recording, insertion_points, driver::unlit())?;
+            load_all(&mut driver, recording, load, &start)?;
+            let director = Director::new(phases, measure.frames, false);
+            (driver.truth(&start)?, Script::Virtual { director, load, fill }, insertion_points)
+        }
+        (Clock::Real, fill) => {
+            let mut driver = Driver::new(measure, setting, recording, INSERTION_POINTS, Shading::default())?;
+            let order = if setting.variant == Variant::Unshuffled { Order::File } else { Order::PreviewFirst };
+            let points = live::Points::of(&measure.input, recording, order, measure.threads);
+            let log = live::run(&mut driver, points, phases, measure.frames, fill.budget())?;
+            (driver.truth(&start)?, Script::Log(log.into()), INSERTION_POINTS)
+        }
+    };
+    // Where two stores do not fit side by side, the first is gone by now.
+    let mut driver = Driver::new(measure, setting, recording, insertion_points, driver::unlit())?;
+    replay(&mut driver, recording, phases, script, &truth, &view_of, each)
+}
+
+/// The store as it is when all has arrived.
+fn load_all(driver: &mut Driver, recording: &Recording, load: u64, camera: &Camera) -> Result<(), ConvergeError> {
+    let mut feeder = Feeder::new(recording);
+    while !driver.progressive.is_loaded() {
+        let arrived = feeder.offered() + load;
+        feeder.offer_up_to(arrived, &mut driver.progressive);
+        driver.frame(camera, FillBudget::Fixed(0))?;
+        driver.progressive.spent().for_each(drop);
+    }
+    Ok(())
+}
+
+fn first_camera(measure: &Measure, scan: &Recording) -> Camera {
+    let of_path = measure.motions.iter().find_map(|motion| match motion {
+        Motion::Path(cameras) => cameras.first().copied(),
+        _ => None,
+    });
+    let fitted = || default_camera(&scan.facts, scan.batches.first(), measure.size);
+    measure.camera.or(of_path).unwrap_or_else(fitted)
+}
+
+fn choice_of(raster: Raster) -> RasterChoice {
+    match raster {
+        Raster::Compute => RasterChoice::Compute,
+        Raster::Compute32 => RasterChoice::Compute32,
+        Raster::Hardware => RasterChoice::Hardware,
+        // There is none to choose on the processor.
+        Raster::Cpu => RasterChoice::Auto,
+    }
+}
+
+fn empty(measure: &Measure, scan: &Recording, info: &BackendInfo, camera: Camera, phases: &[Phase]) -> ConvergeReport {
+    let is_real = measure.clock == Clock::Real;
+    let name = |file: &crate::scene::FileFacts| match file.path.file_name() {
+        Some(name) => name.to_string_lossy().into_owned(),
+        None => file.path.display().to_string(),
+    };
+    ConvergeReport {
+        report: TITLE,
+        program: concat!("firstlight ", env!("CARGO_PKG_VERSION")).into(),
+        adapter: format!("{} ({}, {})", info.adapter, info.api, info.raster),
+        complete: false,
+        clock: measure.clock,
+        command: is_real.then(|| measure.command.clone()),
+        machine: is_real.then(Machine::find),
+        inputs: scan.facts.files.iter().map(name).collect(),
+        points: scan.points,
+        size_px: measure.size,
+        seed: measure.seed,
+        motion_frames: measure.frames,
+        load: (!is_real).then(|| load(measure, scan.points)),
+        metres_per_unit: scan.metres,
+        camera,
+        phases: phases.iter().map(|phase| phase.name.clone()).collect(),
+        runs: Vec::new(),
+        checks: Vec::new(),
+        problems: scan.problems.clone(),
+    }
+}
