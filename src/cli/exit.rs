@@ -2,7 +2,11 @@
 
 use crate::{
     headless::HeadlessError,
-    measure::{BenchError, ReportDirError, converge::ConvergeError, ingest::IngestError, raster::RasterError},
+    measure::{
+        BenchError, ReportDirError, converge::ConvergeError, ingest::IngestError, raster::RasterError,
+        stability::StabilityError,
+    },
+    methods::MethodError,
     render::RenderError,
     synth::SynthError,
     view::ViewError,
@@ -60,6 +64,8 @@ pub enum CliError {
     #[error(transparent)]
     Converge(#[from] ConvergeError),
     #[error(transparent)]
+    Stability(#[from] StabilityError),
+    #[error(transparent)]
     ReportDir(#[from] ReportDirError),
 }
 
@@ -101,6 +107,14 @@ impl CliError {
                 ConvergeError::Render(RenderError::DeviceLost(_)) => ExitStatus::Internal,
                 ConvergeError::Render(_) => ExitStatus::Device,
                 ConvergeError::ReportDir(_) => ExitStatus::Output,
+            },
+            CliError::Stability(error) => match error {
+                StabilityError::Render(RenderError::DeviceLost(_))
+                | StabilityError::Methods(MethodError::Render(RenderError::DeviceLost(_)))
+                | StabilityError::Camera(_)
+                | StabilityError::NoMethod(_) => ExitStatus::Internal,
+                StabilityError::Render(_) | StabilityError::Methods(_) => ExitStatus::Device,
+                StabilityError::ReportDir(_) => ExitStatus::Output,
             },
             CliError::ReportDir(_) => ExitStatus::Output,
         }

@@ -11,6 +11,7 @@ mod info;
 mod measure;
 mod open;
 mod render;
+mod stability;
 mod values;
 
 use std::{
@@ -60,6 +61,9 @@ enum Command {
     /// Measure how wrong the picture is, frame by frame: while loading, at rest and in motion
     #[command(after_help = measure::HELP)]
     Measure(Box<measure::MeasureArgs>),
+    /// Show where methods fail, and that this program's choices do not
+    #[command(after_help = stability::HELP)]
+    Stability(stability::StabilityArgs),
     /// Time frames while a scene grows: does the frame time stay flat?
     #[command(after_help = exit::HELP)]
     BenchFrames(bench_frames::BenchFramesArgs),
@@ -103,6 +107,7 @@ fn run(args: impl IntoIterator<Item = OsString>, started: Instant) -> Result<Exi
         Some(Command::Info(args)) => info::run(args),
         Some(Command::Bench(args)) => bench::run(*args),
         Some(Command::Measure(args)) => measure::run(*args),
+        Some(Command::Stability(args)) => stability::run(args),
         Some(Command::BenchFrames(args)) => bench_frames::run(args, started),
         Some(Command::BenchIngest(args)) => bench_ingest::run(args),
         Some(Command::Synth(args)) => {

@@ -7,6 +7,7 @@
 //! ingest      bench-ingest: how fast points come from a file to the screen
 //! raster      bench: every way to rasterize, its speed beside its accuracy
 //! converge    measure: image error against time, frames and points, while loading, at rest and in motion
+//! stability   stability: where methods fail, and this program's choices do not
 //! machine     what it ran on
 //! stats       medians and quartiles
 //! chart       line charts as SVG
@@ -23,6 +24,7 @@ pub mod ingest;
 mod machine;
 pub mod raster;
 mod report_dir;
+pub mod stability;
 mod stats;
 
 pub use chart::{Chart, Draw, Series};

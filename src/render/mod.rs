@@ -18,7 +18,7 @@ pub use backend::{Backend, BackendInfo, FramePlan, Picture, Shading};
 pub use budget::{BudgetController, FillBudget};
 pub use camera::{Camera, CameraError, Projected, View};
 pub use color::{FileColor, elevation_ramp};
-pub use cpu::CpuBackend;
+pub use cpu::{CpuBackend, list_visible};
 pub use gpu::{GpuBackend, RasterChoice, ShadingUniform};
 pub use progressive::{FrameReport, FrameRequest, INSERTION_POINTS, Progressive, Reprojection, StoreOptions};
 pub use shading::EDL_GAIN;

@@ -14,3 +14,4 @@ mod measure;
 mod picture;
 mod projection;
 mod raster;
+mod stability;

@@ -11,7 +11,7 @@ mod threads;
 use std::{sync::atomic::AtomicU64, thread::available_parallelism, time::Instant};
 
 use self::{resolve::Resolved, store::PointStore, threads::map_parts};
-use super::{Backend, BackendInfo, FramePlan, PassTimes, Picture, Raster, RenderError, elevation_ramp};
+use super::{Backend, BackendInfo, FramePlan, PassTimes, Picture, Raster, RenderError, View, elevation_ramp};
 use crate::{scene::PointBatch, store::Insertion};
 
 /// The word of a pixel that no point covers.
@@ -85,6 +85,17 @@ impl CpuBackend {
             }
         });
     }
+}
+
+/// The slots that are listed as visible after these points were drawn under these slot numbers: the rasterizer's and
+/// the index's twins alone, for slots beyond what memory holds.
+pub fn list_visible(view: &View, points: &[(u32, [i32; 3])]) -> Vec<u32> {
+    let pixels = view.width as usize * view.height as usize;
+    let words: Vec<AtomicU64> = (0..pixels).map(|_| AtomicU64::new(BACKGROUND)).collect();
+    points.iter().for_each(|&(slot, position)| raster::draw_point(&words, view, slot, position));
+    let mut visible = Vec::new();
+    index::build(&mut visible, &words, view, 1);
+    visible
 }
 
 impl Backend for CpuBackend {
