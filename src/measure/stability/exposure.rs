@@ -35,7 +35,7 @@ fn wall(points: u32, store: impl Fn(u8) -> u16) -> (Scene, Vec<[u8; 3]>) {
         let (x, z) = (column * 12_000 / columns, row * 9000 / columns);
         positions.push([x as i32 - 6000, 0, z as i32 - 4500]);
         let patch = x / 2000 * 7 + z / 1500;
-        let is_edge = x < 1200;
+        let is_edge = x < 2400;
         let level = |c: u32| if is_edge { 0 } else { 30 + (noise(patch, c) % 170) as u8 };
         levels.push([level(1), level(2), level(3)]);
     }
@@ -48,7 +48,7 @@ pub fn exposure(setup: &Setup) -> Result<Outcome, StabilityError> {
     let camera = Camera { eye: [0.0, -8.0, 0.0], target: [0.0; 3], up: [0.0, 0.0, 1.0], fov_y_deg: 60.0 };
     // What a file holds of a level, and the level that is then right to show.
     let eight = |level: u8| u16::from(level);
-    let sixteen = |level: u8| u16::from(level) * 257;
+    let sixteen = |level: u8| u16::from(level) * 256;
     // A quarter of the light; the edge of the wall is 0 to 255 in 16 bits.
     let dark = |level: u8| u16::from(level) * 64 + 90;
     type Store = fn(u8) -> u16;

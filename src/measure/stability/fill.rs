@@ -82,12 +82,12 @@ pub fn clusters(setup: &Setup) -> Result<Outcome, StabilityError> {
                 "file order",
                 flicker,
                 settled(&failing.1),
-                0.02,
+                0.05,
                 "each tile is filled once in sixteen frames, and thins out between",
             )
             .samples(failing.1.clone()),
             Claim::holds("shuffled", empty, ours.0, 0.02, "a tile of 25 pixels and more has dozens of points"),
-            Claim::holds("shuffled", flicker, settled(&ours.1), 0.01, "every frame fills every tile alike")
+            Claim::holds("shuffled", flicker, settled(&ours.1), 0.02, "every frame fills every tile alike")
                 .samples(ours.1.clone()),
         ],
         pictures: vec![Strip::new(
@@ -108,22 +108,24 @@ pub fn clusters(setup: &Setup) -> Result<Outcome, StabilityError> {
 /// A pan across a dense scan with a tiny budget, then rest.
 pub fn starvation(setup: &Setup) -> Result<Outcome, StabilityError> {
     let scene = Scene::town(setup.pick(60_000, 300_000));
-    let budget = scene.len() / 40;
+    let budget = scene.len() / setup.pick(40, 150);
     let bound = scene.len().div_ceil(budget) + 1;
+    // After so many frames at rest a picture has not converged, and will not.
+    let patience = 2 * bound;
     let camera = scene.camera(SIZE);
     let pan = |frame: u32| {
         let aside = 3.0 * f64::from(frame.min(12));
         let along = |p: [f64; 3]| [p[0] + aside, p[1], p[2]];
         Camera { eye: along(camera.eye), target: along(camera.target), ..camera }
     };
-    // Frames from the stop to convergence, at most four times the bound; then whether the picture is that of all
+    // Frames from the stop to convergence, at most twice the bound; then whether the picture is that of all
     // points; and the share of right pixels per frame.
     let run = |is_shared: bool| {
         let view = scene.view(&camera, SIZE, 2)?;
         let mut progressive: Progressive<CpuBackend> =
             scene.load(CpuBackend::new(None), StoreOptions::default(), &view)?;
         let (mut visible, mut right, mut frames_at_rest, mut last) = (0_u32, Vec::new(), 0, Vec::new());
-        for frame in 0..12 + 4 * bound {
+        for frame in 0..12 + patience {
             let seen = scene.view(&pan(frame), SIZE, 2)?;
             // One budget for both: what reprojection leaves is for the fill.
             let fill = if is_shared { budget.saturating_sub(visible) } else { budget };
@@ -164,16 +166,17 @@ pub fn starvation(setup: &Setup) -> Result<Outcome, StabilityError> {
         } else {
             f64::from(controller.points(FillBudget::Target(0.016)))
         };
-        f64::from(scene.len()) / left.max(1e-9)
+        // A thousand million stand for never.
+        (f64::from(scene.len()) / left).ceil().min(1e9)
     };
-    let quantity = format!("frames from the stop to convergence (given up after {})", 4 * bound);
+    let quantity = format!("frames from the stop to convergence (given up after {patience})");
     let mut outcome = Outcome {
         claims: vec![
             Claim::fails(
                 "one budget for reprojection and fill",
                 &quantity,
                 failing.0,
-                f64::from(4 * bound),
+                patience.into(),
                 "the visible points alone use the budget up",
             ),
             Claim::fails(
@@ -194,7 +197,7 @@ pub fn starvation(setup: &Setup) -> Result<Outcome, StabilityError> {
                 "a budget of its own for the fill",
                 &quantity,
                 ours.0,
-                f64::from(bound),
+                bound.into(),
                 "⌈points / budget⌉ + 1: every frame tries so many slots that were not tried",
             ),
             Claim::holds(

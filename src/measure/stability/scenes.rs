@@ -64,7 +64,7 @@ impl Scene {
         let color = |(p, k): (&[i32; 3], u32)| {
             let grain = (noise(k, 4) >> 18) as u16;
             let base =
-                if p[2] == 8000 { [44_000, 20_000, 14_000] } else { [14_000, 30_000 + (p[2] * 4) as u16, 12_000] };
+                if p[2] == 8000 { [44_000, 20_000, 14_000] } else { [14_000, (30_000 + 4 * p[2]) as u16, 12_000] };
             [base[0] + grain, base[1] + grain, base[2] + grain, 30_000]
         };
         let colors = positions.iter().zip(0..).map(color).collect();
