@@ -128,7 +128,7 @@ fn every_experiment_is_tested_and_says_what_it_is() {
 /// No clock, no chance: two runs say the same.
 #[test]
 fn results_repeat() {
-    for name in ["far-coordinates", "slot-zero", "exposure", "moving-origin"] {
+    for name in ["far-coordinates", "moving-origin", "unshuffled", "point-size", "slot-zero", "exposure"] {
         let [a, b] = [(); 2].map(|()| run(name, None, Swap::Nothing));
         assert_eq!(a.experiments[0].claims, b.experiments[0].claims, "{name}");
     }

@@ -6,9 +6,10 @@ use super::{
 };
 use crate::measure::html::{self, Table, escape};
 
-const STYLE: &str = "<style>.strip { display: flex; flex-wrap: wrap; gap: 1em; } \
+const STYLE: &str = "<style>.strip { display: flex; flex-wrap: wrap; gap: 1em; margin-bottom: 1em; } \
 .strip img { image-rendering: pixelated; max-width: 100%; height: auto; } .strip figcaption { font-weight: 400; } \
-.bad { color: #d63e3e; font-weight: 600; } td { max-width: 34em; } td:nth-child(-n+3) { text-align: left; }</style>\n";
+.charts { grid-template-columns: repeat(auto-fill, minmax(min(100%, 26em), 1fr)); } \
+th, td { max-width: 30em; text-align: left; vertical-align: top; }</style>\n";
 
 /// The page.
 pub fn page(report: &StabilityReport) -> String {

@@ -130,7 +130,8 @@ pub fn origin_shift(setup: &Setup) -> Result<Outcome, StabilityError> {
     let refill_frames = 10;
     let place = |k| [share(k, 1) * 3e6, (share(k, 2) - 0.5) * 1e5, share(k, 3) * 5e3].map(|c| c as i32);
     let positions: Vec<[i32; 3]> = (0..points).map(place).collect();
-    let color = |p: &[i32; 3]| [((p[0] / 20_000) % 2 * 40_000 + 20_000) as u16, 36_000, (p[2] * 9) as u16, 0];
+    // Red in the west, blue in the east: who shows a place 10 km away shows another colour.
+    let color = |p: &[i32; 3]| [(60_000 - p[0] / 55) as u16, 30_000, (5_000 + p[0] / 55) as u16, 0];
     let colors = positions.iter().map(color).collect();
     let scene = Scene::new(grid, positions, colors);
     let camera = |frame: u32| {

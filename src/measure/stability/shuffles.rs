@@ -33,10 +33,10 @@ struct Order {
 impl Order {
     fn new(name: &str, total: u32, arrival: impl Fn(u32) -> u32) -> Order {
         let first: Vec<u32> = (0..total / 100).map(arrival).collect();
-        // The points in scan lines, a pixel for 1/128² of them: how the first 1 % lies on a square scan.
+        // The points in scan lines, a pixel for 1/128² of them: how the first slots lie on a square scan.
         let mut picture = Image::new([128, 128]);
         let line = f64::from(total).sqrt();
-        for &arrival in &first {
+        for &arrival in first.iter().take(SPECTRUM) {
             let (row, column) = ((f64::from(arrival) / line).floor(), f64::from(arrival) % line);
             let at = [column, row].map(|c| (c / line * 128.0) as i64);
             picture.set(at, [255, 214, 120]);
@@ -130,7 +130,7 @@ pub fn shuffles(setup: &Setup) -> Result<Outcome, StabilityError> {
         quantity,
         spectral(order),
         2.0 * MOST_PEAK,
-        "a sixteenth of the fourth differences of fourth powers are ±24",
+        "until their squares wrap, the fourth differences of fourth powers are all 24; a sixteenth of them later",
     ));
     // The fourth root of the pool's size: until there, fourth powers do not wrap.
     let corner = f64::from(prime).powf(0.25) as usize - 1;
@@ -188,7 +188,7 @@ pub fn shuffles(setup: &Setup) -> Result<Outcome, StabilityError> {
     strip.push((good.name, good.picture));
     let random = shuffled(Shuffle::FisherYates, &[pools[1]], 7);
     strip.push(("truth (Fisher and Yates)".into(), Order::of_slots("", &random).picture));
-    let title = "The first 1 % of the slots on a square scan in scan lines";
+    let title = "The first 4,096 slots on a square scan in scan lines";
     outcome.pictures.push(Strip { title: title.into(), images: strip });
     outcome.notes.push(
         "Quadratic residues have no key: every scan of the same size has the same order, and points 0 and 1 never \
