@@ -34,6 +34,9 @@ pub enum Size {
     Full,
 }
 
+/// A backend and its name in claims.
+type NamedBackend = (&'static str, Box<dyn Backend>);
+
 /// What is exchanged to show that an experiment can fail.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Swap {
@@ -68,8 +71,8 @@ impl Setup {
     }
 
     /// The processor's backend, and the GPU's if there is one, by name.
-    pub(super) fn backends(&self) -> Result<Vec<(&'static str, Box<dyn Backend>)>, StabilityError> {
-        let mut backends: Vec<(&'static str, Box<dyn Backend>)> = vec![("cpu", Box::new(CpuBackend::new(None)))];
+    pub(super) fn backends(&self) -> Result<Vec<NamedBackend>, StabilityError> {
+        let mut backends: Vec<NamedBackend> = vec![("cpu", Box::new(CpuBackend::new(None)))];
         if self.gpu.is_some() {
             backends.push(("gpu", Box::new(GpuBackend::headless(RasterChoice::Compute)?)));
         }

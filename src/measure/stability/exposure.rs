@@ -51,8 +51,8 @@ pub fn exposure(setup: &Setup) -> Result<Outcome, StabilityError> {
     let sixteen = |level: u8| u16::from(level) * 256;
     // A quarter of the light; the edge of the wall is 0 to 255 in 16 bits.
     let dark = |level: u8| u16::from(level) * 64 + 90;
-    type Store = fn(u8) -> u16;
-    let cases: [(&str, Store, fn(u16) -> u8, Exposure); 3] = [
+    type Case = (&'static str, fn(u8) -> u16, fn(u16) -> u8, Exposure);
+    let cases: [Case; 3] = [
         ("8 bits in fields of 16", eight, |v| v as u8, Exposure::Always16),
         ("16 bits", sixteen, |v| (v >> 8) as u8, Exposure::FirstBatch),
         ("dark 16 bits", dark, |v| (v >> 8) as u8, Exposure::FirstBatch),

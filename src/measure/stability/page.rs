@@ -8,7 +8,7 @@ use crate::measure::html::{self, Table, escape};
 
 const STYLE: &str = "<style>.strip { display: flex; flex-wrap: wrap; gap: 1em; margin-bottom: 1em; } \
 .strip img { image-rendering: pixelated; max-width: 100%; height: auto; } .strip figcaption { font-weight: 400; } \
-.charts { grid-template-columns: repeat(auto-fill, minmax(min(100%, 26em), 1fr)); } \
+.charts { grid-template-columns: repeat(auto-fill, minmax(min(100%, 34em), 1fr)); } \
 th, td { max-width: 30em; text-align: left; vertical-align: top; }</style>\n";
 
 /// The page.

@@ -69,12 +69,14 @@ impl Strip {
         for (name, image) in &self.images {
             let name = escape(name);
             let uri = image.data_uri().unwrap_or_default();
+            // Some 240 pixels of the page wide, in whole multiples.
+            let scale = (240 / image.size[0].max(1)).max(1);
             // Writing to a string cannot fail.
             let _ = writeln!(
                 out,
                 "<figure><img width=\"{}\" height=\"{}\" alt=\"{name}\" src=\"{uri}\"><figcaption>{name}</figcaption></figure>",
-                image.size[0] * 2,
-                image.size[1] * 2,
+                image.size[0] * scale,
+                image.size[1] * scale,
             );
         }
         out + "</div>\n"

@@ -111,7 +111,7 @@ pub fn point_sizes(setup: &Setup) -> Result<Outcome, StabilityError> {
                 smear_quantity,
                 smear_at(setup.ours(8, default)),
                 0.16,
-                "a point reaches a pixel beyond the border of its field: two in thirteen",
+                "a point reaches one pixel beyond the border of its field, of 8 to 15",
             ),
         ],
         ..Default::default()

@@ -129,7 +129,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
     Experiment {
         name: "equal-depths",
         what: "points of equal depth, and points that are there twice",
-        source: PAPER_2019,
+        source: "viewers that draw with a depth test alone, and lists of visible points in the order of threads (Skye)",
         fails: "a depth test alone: another picture in every run",
         holds: "the lowest of equally deep slots: the same picture in every run, whatever the threads",
         run: ties::equal_depths,
@@ -145,7 +145,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
     Experiment {
         name: "exposure",
         what: "8-bit colours in 16-bit fields, and dark scans of 16 bits",
-        source: "LAS 1.4 R15, 2.6: colours are to be normalized to 16 bits, which many writers don't do",
+        source: "LAS 1.4 R15, point data record format 2: colours are to be normalized to 16 bits, which many writers don't do",
         fails: "a picture that is black, or blown out",
         holds: "the colours that the file means, decided by all points so far",
         run: exposure::exposure,

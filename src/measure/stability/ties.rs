@@ -42,7 +42,7 @@ pub fn equal_depths(setup: &Setup) -> Result<Outcome, StabilityError> {
         let k = k - k % 2;
         [(noise(k, 1) % 10_000) as i32 - 5000, (noise(k, 2) % 10_000) as i32 - 5000, 0]
     };
-    let color = |k: u32| if k % 2 == 0 { [55_000, 30_000, 20_000, 0] } else { [15_000, 30_000, 55_000, 0] };
+    let color = |k: u32| if k.is_multiple_of(2) { [55_000, 30_000, 20_000, 0] } else { [15_000, 30_000, 55_000, 0] };
     // The two of a place arrive half the file apart.
     let arrival = |k: u32| if k < points / 2 { 2 * k } else { 2 * (k - points / 2) + 1 };
     let order: Vec<u32> = (0..points).map(arrival).collect();
