@@ -3,8 +3,9 @@
 
 #![allow(
     clippy::unwrap_used,
+    clippy::print_stdout,
     clippy::print_stderr,
-    reason = "a test fails where it stands, and says that it is skipped"
+    reason = "a test fails where it stands, says what it measured, and that it is skipped"
 )]
 
 use firstlight::{

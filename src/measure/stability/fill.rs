@@ -1,5 +1,7 @@
 //! How points that were not visible before come into the picture: clustered fills, and fills that starve.
 
+use glam::DVec3;
+
 use super::{
     StabilityError,
     experiment::{Claim, Outcome, Setup, numbered},
@@ -112,9 +114,12 @@ pub fn starvation(setup: &Setup) -> Result<Outcome, StabilityError> {
     let bound = scene.len().div_ceil(budget) + 1;
     // After so many frames at rest a picture has not converged, and will not.
     let patience = 2 * bound;
-    let camera = scene.camera(SIZE);
+    // So near that the pan brings mostly points into view that were not seen before.
+    let whole = scene.camera(SIZE);
+    let eye = DVec3::from_array(whole.eye).lerp(DVec3::from_array(whole.target), 0.55);
+    let camera = Camera { eye: eye.to_array(), ..whole };
     let pan = |frame: u32| {
-        let aside = 3.0 * f64::from(frame.min(12));
+        let aside = 4.0 * f64::from(frame.min(12)) - 30.0;
         let along = |p: [f64; 3]| [p[0] + aside, p[1], p[2]];
         Camera { eye: along(camera.eye), target: along(camera.target), ..camera }
     };
