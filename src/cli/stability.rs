@@ -77,13 +77,13 @@ pub fn run(args: StabilityArgs) -> Result<ExitStatus, CliError> {
     // In the order of the table.
     let is_asked = |e: &&Experiment| args.only.is_empty() || args.only.iter().any(|asked| asked.name == e.name);
     let experiments: Vec<&'static Experiment> = EXPERIMENTS.iter().filter(is_asked).collect();
-    let (gpu, device) = match (args.no_gpu, Gpu::headless()) {
-        (true, _) => (None, "none asked for (--no-gpu)".into()),
-        (false, Ok(gpu)) => {
+    let (gpu, device) = match (!args.no_gpu).then(Gpu::headless) {
+        None => (None, "none asked for (--no-gpu)".into()),
+        Some(Ok(gpu)) => {
             let device = format!("{} ({})", gpu.info.name, gpu.info.backend);
             (Some(gpu), device)
         }
-        (false, Err(error)) => (None, error.to_string()),
+        Some(Err(error)) => (None, error.to_string()),
     };
     let setup = Setup { gpu, size: Size::Full, swap: Swap::Nothing };
     let mut follow = Follow { folder, bar: bar(args.quiet), quiet: args.quiet };
@@ -97,6 +97,11 @@ pub fn run(args: StabilityArgs) -> Result<ExitStatus, CliError> {
             say(&format!("wrote {}", folder.path().join("index.html").display()));
         }
     }
+    Ok(tell(&report))
+}
+
+/// Says, past --quiet, what is not as it should be.
+fn tell(report: &StabilityReport) -> ExitStatus {
     for entry in &report.experiments {
         for claim in entry.broken() {
             let (role, method, quantity, value) = (claim.role.name(), &claim.method, &claim.quantity, claim.value);
@@ -104,7 +109,7 @@ pub fn run(args: StabilityArgs) -> Result<ExitStatus, CliError> {
             say(&format!("firstlight: {}: {what}", entry.name));
         }
     }
-    Ok(if report.is_stable() { ExitStatus::Ok } else { ExitStatus::Partial })
+    if report.is_stable() { ExitStatus::Ok } else { ExitStatus::Partial }
 }
 
 fn list() -> ExitStatus {
@@ -153,5 +158,22 @@ impl Watcher for Follow {
         folder.write("index.html", |out| out.write_all(page(report).as_bytes()))?;
         // Last: it is what says that the folder holds a report.
         Ok(folder.write("stability.json", |out| Ok(serde_json::to_writer_pretty(out, report)?))?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The command runs with nothing exchanged: what it says of a failure is shown here.
+    #[test]
+    fn what_does_not_hold_ends_with_exit_code_4() {
+        let status = |swap| {
+            let setup = Setup { gpu: None, size: Size::Small, swap };
+            let mut follow = Follow { folder: None, bar: bar(true), quiet: true };
+            let report = stability(&[by_name("slot-zero").unwrap()], &setup, "", "", &mut follow).unwrap();
+            tell(&report) as u8
+        };
+        assert_eq!([Swap::Nothing, Swap::RemedyOff, Swap::FailureCured].map(status), [0, 4, 4]);
     }
 }

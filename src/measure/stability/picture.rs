@@ -69,8 +69,8 @@ impl Strip {
         for (name, image) in &self.images {
             let name = escape(name);
             let uri = image.data_uri().unwrap_or_default();
-            // Some 240 pixels of the page wide, in whole multiples.
-            let scale = (240 / image.size[0].max(1)).max(1);
+            // Some 320 pixels of the page wide, in whole multiples.
+            let scale = (320 / image.size[0].max(1)).max(1);
             // Writing to a string cannot fail.
             let _ = writeln!(
                 out,

@@ -22,17 +22,16 @@ enum Positions {
 /// A survey's false origin, so that coordinates are as in UTM.
 const UTM: [f64; 3] = [500_000.0, 5_000_000.0, 300.0];
 
-/// A surface of half a metre, a millimetre between points, seen from a metre away by a camera that moves a fifth of a
-/// millimetre per frame.
+/// A surface of 0.8 m with points on millimetres, seen from a metre away by a camera that moves a millimetre per frame.
 pub fn jitter(setup: &Setup) -> Result<Outcome, StabilityError> {
     let size = [160, 120];
-    let frames = setup.pick(12, 60);
+    let frames = setup.pick(60, 120);
     let grid = Grid { scale: [0.001; 3], origin: UTM };
     let points: Vec<[i32; 3]> = (0..setup.pick(300, 3000))
         .map(|k| [(noise(k, 1) % 800) as i32 - 400, (noise(k, 3) % 40) as i32, (noise(k, 2) % 600) as i32 - 300])
         .collect();
     let camera = |frame: u32| {
-        let x = UTM[0] + 0.0002 * f64::from(frame);
+        let x = UTM[0] + 0.001 * f64::from(frame);
         let at = |y: f64| [x, UTM[1] + y, UTM[2]];
         Camera { eye: at(-1.0), target: at(0.0), up: [0.0, 0.0, 1.0], fov_y_deg: 35.0 }
     };
@@ -48,33 +47,43 @@ pub fn jitter(setup: &Setup) -> Result<Outcome, StabilityError> {
             }),
         })
     };
-    // Per frame, by how many pixels the worst point is off. Points within a hundredth of a pixel of a border may
-    // fall to either side: the eye is rounded to 1/4096 of a millimetre, 0.0001 pixels here.
-    let jitter = |positions: Positions| -> Result<Vec<f64>, StabilityError> {
-        let mut worst = Vec::new();
+    // Per frame, by how many pixels the worst point is off, and by how many the worst one jumps, beyond its true
+    // motion. Points within a hundredth of a pixel of a border may fall to either side: the eye is rounded to 1/4096
+    // of a millimetre, 0.0001 pixels here.
+    let jitter = |positions: Positions| -> Result<[Vec<f64>; 2], StabilityError> {
+        let (mut worst, mut jumps) = (Vec::new(), Vec::new());
+        let mut last = vec![None::<[f64; 2]>; points.len()];
         for frame in 0..frames {
             let exact = Pinhole::of(&camera(frame), size);
-            let mut off = 0.0_f64;
-            for &point in &points {
+            let (mut farthest, mut jump) = (0.0_f64, 0.0_f64);
+            for (&point, last) in points.iter().zip(&mut last) {
                 let truth = exact.place(grid.world(point));
-                let Some(pixel) = truth.pixel(size).filter(|_| truth.border_distance() > 0.01) else { continue };
+                let pixel = truth.pixel(size).filter(|_| truth.border_distance() > 0.01);
+                let Some(pixel) = pixel else {
+                    *last = None;
+                    continue;
+                };
                 // What is seen nowhere is off by the whole picture.
-                let seen = see(positions, frame, point)?;
-                let distance = seen.map_or(f64::from(size[0]), |seen| {
-                    let away = |seen: f64, at: i64| (seen.floor() - at as f64).abs();
-                    away(seen.x, pixel[0]).max(away(seen.y, pixel[1]))
+                let seen = see(positions, frame, point)?.filter(|seen| seen.x.is_finite() && seen.y.is_finite());
+                let off = seen.map_or([f64::from(size[0]); 2], |seen| {
+                    [seen.x.floor() - pixel[0] as f64, seen.y.floor() - pixel[1] as f64]
                 });
-                off = off.max(if distance.is_finite() { distance } else { f64::from(size[0]) });
+                farthest = farthest.max(off[0].abs()).max(off[1].abs());
+                if let Some(last) = *last {
+                    jump = jump.max((off[0] - last[0]).abs()).max((off[1] - last[1]).abs());
+                }
+                *last = Some(off);
             }
-            worst.push(off);
+            worst.push(farthest);
+            jumps.push(jump);
         }
-        Ok(worst)
+        Ok([worst, jumps])
     };
     let (failing, ours) = (
         setup.failing(Positions::AbsoluteF32, Positions::Integers),
         setup.ours(Positions::AbsoluteF32, Positions::Integers),
     );
-    let (f32_off, ours_off) = (jitter(failing)?, jitter(ours)?);
+    let ([f32_off, f32_jumps], [ours_off, ours_jumps]) = (jitter(failing)?, jitter(ours)?);
     let picture = |see: &dyn Fn([i32; 3]) -> Result<Option<Place>, StabilityError>| -> Result<Image, StabilityError> {
         let mut image = Image::new(size);
         for &point in &points {
@@ -85,6 +94,7 @@ pub fn jitter(setup: &Setup) -> Result<Outcome, StabilityError> {
     };
     let exact = Pinhole::of(&camera(5), size);
     let quantity = "largest distance from the right pixel, pixels";
+    let jump = "largest jump from frame to frame, beyond the true motion, pixels";
     let mut outcome = Outcome {
         claims: vec![
             Claim::fails(
@@ -97,6 +107,10 @@ pub fn jitter(setup: &Setup) -> Result<Outcome, StabilityError> {
             .samples(f32_off.clone()),
             Claim::holds("integers", quantity, largest(&ours_off), 0.0, "the difference to the eye is exact")
                 .samples(ours_off.clone()),
+            Claim::fails("absolute f32", jump, largest(&f32_jumps), 2.0, "all points move at once, a step of an f32")
+                .samples(f32_jumps.clone()),
+            Claim::holds("integers", jump, largest(&ours_jumps), 0.0, "every frame is right, so none jumps")
+                .samples(ours_jumps.clone()),
         ],
         pictures: vec![Strip::new(
             "The sixth frame",
@@ -113,6 +127,12 @@ pub fn jitter(setup: &Setup) -> Result<Outcome, StabilityError> {
         "frame",
         "pixels",
         vec![("absolute f32", numbered(&f32_off)), ("integers", numbered(&ours_off))],
+    );
+    outcome.chart(
+        "Jumps from frame to frame",
+        "frame",
+        "pixels",
+        vec![("absolute f32", numbered(&f32_jumps)), ("integers", numbered(&ours_jumps))],
     );
     Ok(outcome)
 }
