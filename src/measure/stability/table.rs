@@ -63,7 +63,8 @@ pub const EXPERIMENTS: &[Experiment] = &[
     Experiment {
         name: "shuffles",
         what: "the beginning of orders that are called random",
-        source: PAPER_2020,
+        source: "perfect shuffles: a thesis on progressive point rendering; quadratic residues: Schütz, Mandlburger, Otepka and \
+                 Wimmer 2020 (Eurographics), after J. Preshing 2012; four rounds: this program's own first design",
         fails: "perfect-shuffle iterations, quadratic residues, four Feistel rounds, shuffling each batch alone",
         holds: "the store's keyed permutation, batch by batch: white spectrum, chi-square of chance",
         run: shuffles::shuffles,
@@ -80,7 +81,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
         name: "moved-slots",
         what: "insertions move points to other slots while the list of visible slots names them",
         source: "Schütz and Wimmer 2018, Progressive Real-Time Rendering of Unprocessed Point Clouds \
-                 (distribute_streaming.cs moves points, and the index buffer of the last frame is drawn as it was)",
+                 (distribute_streaming.cs moves points and tells nobody where to; that lists suffer is concluded from the code)",
         fails: "pixels are lost while a file loads",
         holds: "slots that follow `moved_to`: no pixel is lost",
         run: loading::moved_slots,
