@@ -3,7 +3,7 @@
 use super::{
     checks::{Dot, is_viewers_choice, moving_dot, rest_dot, same_setting},
     headline::image_error,
-    report::{ConvergeReport, Frame, Run, is_moving},
+    report::{ConvergeReport, Frame, Run},
     settings::Variant,
 };
 use crate::measure::{
@@ -20,7 +20,7 @@ const MOST_POINTS: usize = 400;
 pub enum Along {
     Milliseconds,
     Frames,
-    /// Points tried since the view last changed.
+    /// Points drawn so far, but for reprojected ones.
     Points,
 }
 
@@ -36,7 +36,7 @@ impl Along {
         match self {
             Along::Milliseconds => "milliseconds since the files were opened",
             Along::Frames => "frames",
-            Along::Points => "million points tried",
+            Along::Points => "million points drawn",
         }
     }
 
@@ -44,7 +44,7 @@ impl Along {
         match self {
             Along::Milliseconds => frame.times.map_or(f64::NAN, |times| times.end_secs() * 1e3),
             Along::Frames => f64::from(frame.frame) + 1.0,
-            Along::Points => frame.points_tried as f64 * 1e-6,
+            Along::Points => frame.points_drawn as f64 * 1e-6,
         }
     }
 }
@@ -117,7 +117,8 @@ pub fn theory(run: &Run, title: &str, is: &dyn Fn(&Frame) -> bool) -> Vec<Chart>
             series("this run", &found, Draw::LineAndDots),
             series("a uniform random sample", &expected, Draw::Dashed),
         ];
-        chart(format!("{title}: {what}"), Along::Points, both)
+        let x = "million points of the file, as many as in the sample".into();
+        Chart { x, y: what.into(), ..chart(format!("{title}: {what}"), Along::Points, both) }
     };
     vec![
         pair("covered pixels, share", |f| f.file.covered_share, |f| Some(f.expected?.covered_share)),
@@ -125,27 +126,45 @@ pub fn theory(run: &Run, title: &str, is: &dyn Fn(&Frame) -> bool) -> Vec<Chart>
     ]
 }
 
-/// Runs since the camera first moved, in milliseconds if there are any: runs load in different times.
-pub fn since_motion(
-    report: &ConvergeReport,
-    runs: &[&Run],
-    value: Value,
-    name: impl Fn(&Run) -> String,
-    is: &dyn Fn(&Frame) -> bool,
-) -> Chart {
+/// Where a run is in a phase: milliseconds, or frames if there are no times, since the phase began.
+fn in_phase(report: &ConvergeReport, run: &Run, phase: &str, value: Value) -> Vec<(f64, f64)> {
     let along = Along::all(report)[0];
-    let mut chart = curves(runs, along, value, name, is);
-    chart.x =
-        format!("{} since the camera first moved", if along == Along::Frames { "frames" } else { "milliseconds" });
-    for (series, run) in chart.series.iter_mut().zip(runs) {
-        let first = run.frames.iter().find(|frame| is_moving(&frame.phase));
-        let begun = first.map_or(0.0, |frame| match along {
-            Along::Milliseconds => frame.times.map_or(0.0, |times| times.start_secs * 1e3),
-            _ => f64::from(frame.frame),
-        });
-        series.points.iter_mut().for_each(|point| point.0 -= begun);
+    let first = run.frames.iter().find(|frame| frame.phase == phase);
+    let begun = first.map_or(0.0, |frame| match along {
+        Along::Milliseconds => frame.times.map_or(0.0, |times| times.start_secs * 1e3),
+        _ => f64::from(frame.frame),
+    });
+    let frames = run.frames.iter().filter(|frame| frame.phase == phase);
+    frames.filter_map(|frame| Some((along.of(frame) - begun, value.1(frame)?))).collect()
+}
+
+/// The name of [`in_phase`]'s axis.
+fn since(report: &ConvergeReport, phase: &str) -> String {
+    let unit = if Along::all(report)[0] == Along::Frames { "frames" } else { "milliseconds" };
+    format!("{unit} since the phase `{phase}` began")
+}
+
+/// Methods in one phase.
+pub fn phase_chart(report: &ConvergeReport, runs: &[&Run], value: Value, phase: &str) -> Chart {
+    let of = |run: &&Run| {
+        let points = thin(in_phase(report, run, phase, value), MOST_POINTS);
+        Series { name: run.variant.name().into(), points, draw: Draw::Line }
+    };
+    let series = runs.iter().map(of).collect();
+    let title = format!("{phase}: {}", value.0);
+    Chart { x: since(report, phase), y: value.0.into(), ..chart(title, Along::Frames, series) }
+}
+
+/// Settings in one phase; there may be more of them than colours that can be told apart, so each has its name.
+pub fn phase_plot(report: &ConvergeReport, runs: &[&Run], value: Value, phase: &str) -> Plot {
+    let of = |run: &&Run| Curve { name: run.label(), points: thin(in_phase(report, run, phase, value), 50) };
+    Plot {
+        title: format!("{phase}: {}", value.0),
+        x: Axis { name: since(report, phase), scale: Scale::Linear },
+        y: Axis { name: value.0.into(), scale: Scale::Linear },
+        curves: runs.iter().map(of).collect(),
+        behind: Vec::new(),
     }
-    chart
 }
 
 /// One dot per setting and baseline: cost against error, with the front of this program's settings.
