@@ -69,11 +69,14 @@ pub const IN_MOTION: [Value; 3] = [
     ("flicker, share of the pixels where the truth is quiet", |f| f.change?.flicker_share),
 ];
 
-/// The first run of each baseline, behind the first of this program's.
+/// The first run of each method, this program's last: it is drawn over the others.
 pub fn compared(report: &ConvergeReport) -> Vec<&Run> {
     let mut runs: Vec<&Run> = report.runs.iter().filter(|run| run.round == 1).collect();
     runs.sort_by_key(|run| run.variant);
     runs.dedup_by_key(|run| run.variant);
+    if runs.first().is_some_and(|run| run.variant == Variant::Firstlight) {
+        runs.rotate_left(1);
+    }
     runs
 }
 
