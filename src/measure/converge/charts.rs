@@ -1,7 +1,7 @@
 //! Curves of single runs, and settings as dots.
 
 use super::{
-    checks::{Dot, is_viewers_choice, moving_dot, rest_dot, same_setting},
+    checks::{Dot, is_viewers_choice, median_dot, moving_dot, rest_dot},
     headline::image_error,
     report::{ConvergeReport, Frame, Run},
     settings::Variant,
@@ -9,7 +9,6 @@ use super::{
 use crate::measure::{
     chart::{Chart, Draw, Series, thin},
     raster::plot::{Axis, Curve, Plot, Scale, front},
-    stats::quantile,
 };
 
 /// Most points of a curve: more cannot be told apart, and make the page heavy.
@@ -174,13 +173,8 @@ pub fn phase_plot(report: &ConvergeReport, runs: &[&Run], value: Value, phase: &
 pub fn speed(report: &ConvergeReport, title: &str, error: &str, dot: fn(&Run) -> Option<Dot>) -> Option<Plot> {
     let timed = report.machine.is_some();
     let firsts: Vec<&Run> = report.runs.iter().filter(|run| run.round == 1).collect();
-    // Rounds of a setting are one dot, their medians.
-    let median = |run: &&Run| {
-        let rounds: Vec<Dot> = report.runs.iter().filter(|other| same_setting(run, other)).filter_map(dot).collect();
-        let middle = |value: fn(&Dot) -> f64| quantile(&rounds.iter().map(value).collect::<Vec<_>>(), 0.5);
-        (!rounds.is_empty()).then(|| (middle(|dot| dot.0), middle(|dot| dot.1)))
-    };
-    let dots: Vec<(&Run, Dot)> = firsts.iter().filter_map(|run| Some((*run, median(run)?))).collect();
+    // Rounds of a setting are one dot.
+    let dots: Vec<(&Run, Dot)> = firsts.iter().filter_map(|run| Some((*run, median_dot(report, run, dot)?))).collect();
     if dots.len() < 2 {
         return None;
     }
