@@ -11,7 +11,8 @@
 //! methods   every way to rasterize points, to be measured against each other
 //! headless  the picture as a PNG, a report as JSON
 //! view      the picture in a window
-//! measure   frame times while a scene grows; how fast points come to the screen; rasterizers compared
+//! measure   frame times while a scene grows; how fast points come to the screen; rasterizers compared;
+//!           how wrong the picture is, frame by frame
 //! cli       what the user typed → one of these
 //! ```
 //!

@@ -1,15 +1,14 @@
 //! Curves of single runs, and settings as dots.
 
 use super::{
-    checks::{Dot, is_viewers_choice, moving_dot, rest_dot, same_setting},
+    checks::{Dot, is_viewers_choice, median_dot, moving_dot, rest_dot},
     headline::image_error,
-    report::{ConvergeReport, Frame, Run, is_moving},
+    report::{ConvergeReport, Frame, Run},
     settings::Variant,
 };
 use crate::measure::{
     chart::{Chart, Draw, Series, thin},
     raster::plot::{Axis, Curve, Plot, Scale, front},
-    stats::quantile,
 };
 
 /// Most points of a curve: more cannot be told apart, and make the page heavy.
@@ -20,7 +19,7 @@ const MOST_POINTS: usize = 400;
 pub enum Along {
     Milliseconds,
     Frames,
-    /// Points tried since the view last changed.
+    /// Points drawn so far, but for reprojected ones.
     Points,
 }
 
@@ -36,7 +35,7 @@ impl Along {
         match self {
             Along::Milliseconds => "milliseconds since the files were opened",
             Along::Frames => "frames",
-            Along::Points => "million points tried",
+            Along::Points => "million points drawn",
         }
     }
 
@@ -44,7 +43,7 @@ impl Along {
         match self {
             Along::Milliseconds => frame.times.map_or(f64::NAN, |times| times.end_secs() * 1e3),
             Along::Frames => f64::from(frame.frame) + 1.0,
-            Along::Points => frame.points_tried as f64 * 1e-6,
+            Along::Points => frame.points_drawn as f64 * 1e-6,
         }
     }
 }
@@ -69,11 +68,14 @@ pub const IN_MOTION: [Value; 3] = [
     ("flicker, share of the pixels where the truth is quiet", |f| f.change?.flicker_share),
 ];
 
-/// The first run of each baseline, behind the first of this program's.
+/// The first run of each method, this program's last: it is drawn over the others.
 pub fn compared(report: &ConvergeReport) -> Vec<&Run> {
     let mut runs: Vec<&Run> = report.runs.iter().filter(|run| run.round == 1).collect();
     runs.sort_by_key(|run| run.variant);
     runs.dedup_by_key(|run| run.variant);
+    if runs.first().is_some_and(|run| run.variant == Variant::Firstlight) {
+        runs.rotate_left(1);
+    }
     runs
 }
 
@@ -117,7 +119,8 @@ pub fn theory(run: &Run, title: &str, is: &dyn Fn(&Frame) -> bool) -> Vec<Chart>
             series("this run", &found, Draw::LineAndDots),
             series("a uniform random sample", &expected, Draw::Dashed),
         ];
-        chart(format!("{title}: {what}"), Along::Points, both)
+        let x = "million points of the file, as many as in the sample".into();
+        Chart { x, y: what.into(), ..chart(format!("{title}: {what}"), Along::Points, both) }
     };
     vec![
         pair("covered pixels, share", |f| f.file.covered_share, |f| Some(f.expected?.covered_share)),
@@ -125,40 +128,53 @@ pub fn theory(run: &Run, title: &str, is: &dyn Fn(&Frame) -> bool) -> Vec<Chart>
     ]
 }
 
-/// Runs since the camera first moved, in milliseconds if there are any: runs load in different times.
-pub fn since_motion(
-    report: &ConvergeReport,
-    runs: &[&Run],
-    value: Value,
-    name: impl Fn(&Run) -> String,
-    is: &dyn Fn(&Frame) -> bool,
-) -> Chart {
+/// Where a run is in a phase: milliseconds, or frames if there are no times, since the phase began.
+fn in_phase(report: &ConvergeReport, run: &Run, phase: &str, value: Value) -> Vec<(f64, f64)> {
     let along = Along::all(report)[0];
-    let mut chart = curves(runs, along, value, name, is);
-    chart.x =
-        format!("{} since the camera first moved", if along == Along::Frames { "frames" } else { "milliseconds" });
-    for (series, run) in chart.series.iter_mut().zip(runs) {
-        let first = run.frames.iter().find(|frame| is_moving(&frame.phase));
-        let begun = first.map_or(0.0, |frame| match along {
-            Along::Milliseconds => frame.times.map_or(0.0, |times| times.start_secs * 1e3),
-            _ => f64::from(frame.frame),
-        });
-        series.points.iter_mut().for_each(|point| point.0 -= begun);
+    let first = run.frames.iter().find(|frame| frame.phase == phase);
+    let begun = first.map_or(0.0, |frame| match along {
+        Along::Milliseconds => frame.times.map_or(0.0, |times| times.start_secs * 1e3),
+        _ => f64::from(frame.frame),
+    });
+    let frames = run.frames.iter().filter(|frame| frame.phase == phase);
+    frames.filter_map(|frame| Some((along.of(frame) - begun, value.1(frame)?))).collect()
+}
+
+/// The name of [`in_phase`]'s axis.
+fn since(report: &ConvergeReport, phase: &str) -> String {
+    let unit = if Along::all(report)[0] == Along::Frames { "frames" } else { "milliseconds" };
+    format!("{unit} since the phase `{phase}` began")
+}
+
+/// Methods in one phase.
+pub fn phase_chart(report: &ConvergeReport, runs: &[&Run], value: Value, phase: &str) -> Chart {
+    let of = |run: &&Run| {
+        let points = thin(in_phase(report, run, phase, value), MOST_POINTS);
+        Series { name: run.variant.name().into(), points, draw: Draw::Line }
+    };
+    let series = runs.iter().map(of).collect();
+    let title = format!("{phase}: {}", value.0);
+    Chart { x: since(report, phase), y: value.0.into(), ..chart(title, Along::Frames, series) }
+}
+
+/// Settings in one phase; there may be more of them than colours that can be told apart, so each has its name.
+pub fn phase_plot(report: &ConvergeReport, runs: &[&Run], value: Value, phase: &str) -> Plot {
+    let of = |run: &&Run| Curve { name: run.label(), points: thin(in_phase(report, run, phase, value), 50) };
+    Plot {
+        title: format!("{phase}: {}", value.0),
+        x: Axis { name: since(report, phase), scale: Scale::Linear },
+        y: Axis { name: value.0.into(), scale: Scale::Linear },
+        curves: runs.iter().map(of).collect(),
+        behind: Vec::new(),
     }
-    chart
 }
 
 /// One dot per setting and baseline: cost against error, with the front of this program's settings.
 pub fn speed(report: &ConvergeReport, title: &str, error: &str, dot: fn(&Run) -> Option<Dot>) -> Option<Plot> {
     let timed = report.machine.is_some();
     let firsts: Vec<&Run> = report.runs.iter().filter(|run| run.round == 1).collect();
-    // Rounds of a setting are one dot, their medians.
-    let median = |run: &&Run| {
-        let rounds: Vec<Dot> = report.runs.iter().filter(|other| same_setting(run, other)).filter_map(dot).collect();
-        let middle = |value: fn(&Dot) -> f64| quantile(&rounds.iter().map(value).collect::<Vec<_>>(), 0.5);
-        (!rounds.is_empty()).then(|| (middle(|dot| dot.0), middle(|dot| dot.1)))
-    };
-    let dots: Vec<(&Run, Dot)> = firsts.iter().filter_map(|run| Some((*run, median(run)?))).collect();
+    // Rounds of a setting are one dot.
+    let dots: Vec<(&Run, Dot)> = firsts.iter().filter_map(|run| Some((*run, median_dot(report, run, dot)?))).collect();
     if dots.len() < 2 {
         return None;
     }

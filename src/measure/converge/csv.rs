@@ -6,7 +6,7 @@ use super::{metrics::Metrics, report::ConvergeReport};
 
 /// Columns before the metrics. Empty: does not apply.
 const COLUMNS: &str = "variant,fill,point_size_px,raster,round,phase,frame,start_secs,frame_secs,points_stored,\
-points_tried,frame_fill,converged,flicker_pixels,flicker_share,expected_sample,expected_of,expected_covered_share,\
+points_tried,frame_fill,points_drawn,converged,flicker_pixels,flicker_share,expected_sample,expected_of,expected_covered_share,\
 expected_covered_sigma,expected_front_share,expected_front_sigma,expected_right_share";
 
 /// Columns of [`Metrics`], once against all points received and once against all of the file.
@@ -39,7 +39,7 @@ pub fn write_csv(out: &mut dyn Write, report: &ConvergeReport) -> io::Result<()>
             let mut cells = vec![head.clone(), f.phase.clone(), f.frame.to_string()];
             cells.push(number(f.times.map(|times| times.start_secs)));
             cells.push(number(f.times.map(|times| times.frame_secs)));
-            cells.extend([f.points_stored, f.points_tried, f.fill.into()].map(|n| n.to_string()));
+            cells.extend([f.points_stored, f.points_tried, f.fill.into(), f.points_drawn].map(|n| n.to_string()));
             cells.push(f.converged.to_string());
             cells.push(f.change.map_or_else(String::new, |change| change.flicker_pixels.to_string()));
             cells.push(number(f.change.and_then(|change| change.flicker_share)));

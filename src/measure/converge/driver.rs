@@ -59,6 +59,10 @@ impl Driver {
         Ok(FrameRequest { view, fill, shading: self.shading })
     }
 
+    pub fn is_brute_force(&self) -> bool {
+        self.variant == Variant::BruteForce
+    }
+
     /// Draws the next frame.
     pub fn frame(&mut self, camera: &Camera, fill: FillBudget) -> Result<FrameReport, ConvergeError> {
         let request = self.request(camera, fill)?;

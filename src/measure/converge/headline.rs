@@ -122,6 +122,7 @@ pub mod tests {
             points_stored: u64::from(n) * 100,
             points_tried: 100,
             fill: 50,
+            points_drawn: u64::from(n) * 150,
             converged: right == 1.0,
             expected: None,
             received: metrics.clone(),

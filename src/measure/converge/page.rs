@@ -127,24 +127,26 @@ pub fn page(report: &ConvergeReport) -> String {
         }
     }
     section("While loading and at rest, against the picture of the whole file", LOADING_ABOUT, figures);
-    let moves = |run: &&&Run| run.frames.iter().any(|frame| is_moving(&frame.phase));
-    if compared.iter().any(|run| moves(&run)) {
-        let moving = |frame: &Frame| is_moving(&frame.phase);
-        let of = |value| charts::since_motion(report, &compared, value, variant, &moving).figure();
-        let mut figures: Vec<String> = IN_MOTION.into_iter().map(of).collect();
+    let mut figures = Vec::new();
+    let of_phase = |phase: &String, value| {
+        let mut both = charts::phase_chart(report, &compared, value, phase).figure();
         if settings.len() > 1 {
-            let of = |value| charts::since_motion(report, &settings, value, Run::label, &moving).figure();
-            figures.extend(IN_MOTION.map(of));
+            both.push_str(&charts::phase_plot(report, &settings, value, phase).figure());
         }
-        section("In motion, against all points received", &motion_about(), figures);
-        let rest = |frame: &Frame| is_rest(&frame.phase);
-        let error = ("error after each stop: 1 − SSIM", image_error as fn(&Frame) -> Option<f64>);
-        let mut figures = vec![charts::since_motion(report, &compared, error, variant, &rest).figure()];
-        if settings.len() > 1 {
-            figures.push(charts::since_motion(report, &settings, error, Run::label, &rest).figure());
-        }
-        section("After each stop", REST_ABOUT, figures);
+        both
+    };
+    // A jump is a single frame.
+    let has_curve = |phase: &&String| {
+        let frames = |run: &&Run| run.frames.iter().filter(|frame| frame.phase == **phase).count() > 1;
+        compared.iter().any(frames)
+    };
+    for phase in report.phases.iter().filter(|phase| is_moving(phase)).filter(has_curve) {
+        figures.extend(IN_MOTION.map(|value| of_phase(phase, value)));
     }
+    section("In motion, against all points received", &motion_about(), figures);
+    let error = ("error: 1 − SSIM", image_error as fn(&Frame) -> Option<f64>);
+    let rests = report.phases.iter().filter(|phase| is_rest(phase)).filter(has_curve);
+    section("After each stop", REST_ABOUT, rests.map(|phase| of_phase(phase, error)).collect());
     body.push_str(&methods());
     html::page(TITLE, &body)
 }
@@ -158,7 +160,7 @@ the viewer takes by itself.";
 const LOADING_ABOUT: &str = "The camera stands still. Against all points <i>received so far</i> this program's picture is right in \
 every frame but for ties: points are drawn as they arrive.";
 
-const REST_ABOUT: &str = "The camera stands still again; the curves of all rests follow one another.";
+const REST_ABOUT: &str = "The camera stands still again, until the picture has converged.";
 
 fn theory_about() -> String {
     format!(

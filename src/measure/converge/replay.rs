@@ -91,13 +91,17 @@ pub fn replay(
                 // While points arrive the camera stands where the truth of the file was drawn.
                 let file =
                     if is_loading && !is_whole { Metrics::of(&now[0], file_truth, metres) } else { received.clone() };
-                let sample = if is_whole { report.points_tried } else { report.points_stored };
+                let sample = if is_loading { report.points_stored } else { report.points_tried };
+                let (stored, drawn) = frames.last().map_or((0, 0), |last| (last.points_stored, last.points_drawn));
+                // All points at once are the new ones too.
+                let fresh = if driver.is_brute_force() { 0 } else { report.points_stored - stored };
                 let frame = Frame {
                     frame: frames.len() as u32,
                     phase: phases[step.phase].name.clone(),
                     points_stored: report.points_stored,
                     points_tried: report.points_tried,
                     fill: report.fill,
+                    points_drawn: drawn + fresh + u64::from(report.fill),
                     converged: report.is_converged(),
                     expected: expecting.counts(view_of(&step.camera)?, recording).expect(sample),
                     received,

@@ -76,6 +76,8 @@ pub struct Frame {
     pub points_tried: u64,
     /// Of these, tried by this frame's fill.
     pub fill: u32,
+    /// Points drawn so far, by the fill and as they arrived; not those drawn again because they were visible.
+    pub points_drawn: u64,
     /// All were tried, and no tie is open.
     pub converged: bool,
     /// What a uniform sample would show: while loading, as many of the file's points as have arrived; then as many of
