@@ -3,8 +3,9 @@
 use std::fmt;
 
 use super::{
+    cloud::Encoding,
     modules::Kernel,
-    plan::{Plan, Step, plans},
+    plan::{Plan, Rule, Step, plans},
 };
 
 /// A way to rasterize points. A row of [`METHODS`].
@@ -32,6 +33,14 @@ impl Method {
             Step::Draw => None,
         };
         self.plan.geometry.iter().filter_map(of).collect()
+    }
+
+    /// Bytes of the cloud that a frame must read: all positions in each geometry pass; where colours lie apart,
+    /// also those that a pass looks up, at most one for each point in the frustum.
+    pub fn bytes(&self, encoding: Encoding, points: u64, fragments: u64) -> u64 {
+        let looks_up = matches!(self.plan.rule, Rule::Depth40 { .. } | Rule::Average(_));
+        let colors = if encoding == Encoding::Packed && looks_up { 4 * fragments } else { 0 };
+        self.plan.geometry.len() as u64 * points * encoding.bytes() + colors
     }
 }
 

@@ -180,7 +180,7 @@ pub(super) fn supported(settings: &BenchRaster, runner: &Runner, report: &mut Ra
 
 fn ceilings(runner: &mut Runner, report: &mut RasterReport) -> Result<(), RasterError> {
     // The first is not counted.
-    let found = methods::ceilings(runner, 3)?;
+    let found = methods::ceilings(runner, &methods::Copies::new(&runner.gpu)?, 3)?;
     report.ceilings.copy_samples.extend(found.copy.iter().skip(1));
     report.ceilings.read_samples.extend(found.read.iter().skip(1));
     Ok(())
