@@ -49,6 +49,7 @@ Exit codes:
 const DEFAULT_POINTS: [u64; 2] = [100_000_000, 250_000];
 const DEFAULT_SIZE: [[u32; 2]; 2] = [[1920, 1080], [640, 360]];
 const DEFAULT_FRAMES: [u32; 2] = [10, 2];
+const DEFAULT_MAX_FRAME: [f64; 2] = [1.0, 10.0];
 
 #[derive(Debug, Args)]
 pub struct BenchArgs {
@@ -85,15 +86,19 @@ pub struct BenchArgs {
     /// Width and height of the picture, pixels
     #[arg(long, value_name = "WxH", value_parser = values::parse_size)]
     size: Option<[u32; 2]>,
-    /// Frames that a method draws when it is its turn; by default 10, or 2 on a software rasterizer
+    /// The most frames that a method draws when it is its turn; by default 10, or 2 on a software rasterizer
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     frames: Option<u32>,
     /// Rounds: how often it is each method's turn
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000))]
     repeat: u32,
-    /// How a position lies in memory
-    #[arg(long, value_enum, default_value_t)]
-    encoding: EncodingArg,
+    /// Seconds: a method whose first frame is longer draws no other; after ten times as long it is left. By default 1,
+    /// or 10 on a software rasterizer
+    #[arg(long, value_name = "SECS", value_parser = parse_secs)]
+    max_frame: Option<f64>,
+    /// How positions lie in memory; with both, every method is measured with each
+    #[arg(long, value_enum, value_name = "ENCODING,…", value_delimiter = ',', default_value = "wide")]
+    encoding: Vec<EncodingArg>,
     /// Fixes the shuffles
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
@@ -106,10 +111,9 @@ pub struct BenchArgs {
 }
 
 /// [`Encoding`] on the command line.
-#[derive(Debug, Clone, Copy, Default, ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum EncodingArg {
     /// 16 bytes: three 32-bit integers and the colour
-    #[default]
     Wide,
     /// 8 bytes, where the scan's box fits 64 bits; colours apart
     Packed,
@@ -122,6 +126,11 @@ impl From<EncodingArg> for Encoding {
             EncodingArg::Packed => Encoding::Packed,
         }
     }
+}
+
+fn parse_secs(text: &str) -> Result<f64, String> {
+    let secs = text.parse().ok().filter(|secs: &f64| secs.is_finite() && *secs > 0.0);
+    secs.ok_or_else(|| "expected seconds above zero, such as 0.5".into())
 }
 
 fn parse_method(name: &str) -> Result<&'static Method, String> {
@@ -160,9 +169,10 @@ pub fn run(args: BenchArgs) -> Result<ExitStatus, CliError> {
         camera,
         parts: once(args.parts),
         size: args.size.unwrap_or(DEFAULT_SIZE[default]),
-        encoding: args.encoding.into(),
+        encodings: once(args.encoding).into_iter().map(Encoding::from).collect(),
         frames: args.frames.unwrap_or(DEFAULT_FRAMES[default]),
         repeat: args.repeat,
+        max_frame_secs: args.max_frame.unwrap_or(DEFAULT_MAX_FRAME[default]),
         seed: args.seed,
         command: command_line(env::args_os()),
     };

@@ -28,6 +28,21 @@ pub fn fill<T: Copy + Default + Send>(len: usize, value: impl Fn(usize) -> T + S
     values
 }
 
+/// `value(i)` for each `i` below `len`, by all threads, for few items of much work each.
+pub fn map<T: Send>(len: usize, value: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    let part = len.div_ceil(threads()).max(1);
+    let value = &value;
+    thread::scope(|scope| {
+        let parts = (0..len).step_by(part).map(|first| first..len.min(first + part));
+        let parts: Vec<_> = parts.map(|part| scope.spawn(move || part.map(value).collect::<Vec<T>>())).collect();
+        // A thread that panics takes the program with it, as a loop would.
+        let join = |part: thread::ScopedJoinHandle<'_, Vec<T>>| {
+            part.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+        };
+        parts.into_iter().flat_map(join).collect()
+    })
+}
+
 /// The smallest and the largest coordinate per axis; `None` without points.
 pub fn extent(positions: &[[i32; 3]]) -> Option<([i32; 3], [i32; 3])> {
     let first = *positions.first()?;
@@ -66,6 +81,7 @@ mod tests {
     fn every_item_is_filled() {
         for len in [0, 1, 2, ALONE - 1, ALONE, ALONE + 1, 3 * ALONE + 1] {
             assert!(fill(len, |i| i).into_iter().eq(0..len), "{len}");
+            assert!(map(len.min(100), |i| vec![i]).into_iter().flatten().eq(0..len.min(100)), "{len}");
         }
     }
 }
