@@ -72,8 +72,7 @@ impl Copies {
     /// No memory for them.
     pub fn with_bytes(gpu: &Gpu, bytes: u64) -> Result<Copies, MethodError> {
         let device = &gpu.device;
-        let layout =
-            kernel::layout(device, "copy", wgpu::ShaderStages::COMPUTE, &[Binding::Read, Binding::ReadWrite]);
+        let layout = kernel::layout(device, "copy", wgpu::ShaderStages::COMPUTE, &[Binding::Read, Binding::ReadWrite]);
         let pipeline = kernel::compute(device, &shaders::COPY.module(device), "copy_words", &[&layout]);
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
         // Whole words of the kernel.

@@ -30,7 +30,10 @@ pub struct Abandoned {
 #[derive(Debug)]
 pub enum Paced {
     /// The whole picture; the seconds, by the wall clock, are those of its geometry passes.
-    Drawn { drawn: Drawn, secs: f64 },
+    Drawn {
+        drawn: Drawn,
+        secs: f64,
+    },
     Abandoned(Abandoned),
 }
 

@@ -1,7 +1,7 @@
 //! Draws and times methods on a cloud that is on the device.
 
 use super::{
-    Arranged, Drawn, Encoding, FrameTime, Gpu, Method, MethodError, NO_POINT, depth40,
+    Arranged, Cloud, Drawn, Encoding, FrameTime, Gpu, Method, MethodError, NO_POINT, depth40,
     hardware::Textures,
     modules::{self, Kernel, PerThread},
     pages::Pages,
@@ -54,6 +54,27 @@ impl Runner {
             gpu: gpu.clone(),
             encoding,
         })
+    }
+
+    /// Another cloud, or the same in another order, with the pipelines and targets that are there. The old cloud's
+    /// memory is free before the new one's is taken.
+    ///
+    /// # Errors
+    /// As [`Runner::new`]; there is no cloud then.
+    pub fn load<'a>(&mut self, cloud: impl Into<Arranged<'a>>) -> Result<(), MethodError> {
+        self.unload()?;
+        self.pages = Pages::new(&self.gpu.device, &self.gpu.queue, cloud.into(), self.encoding, None)?;
+        Ok(())
+    }
+
+    /// Frees the cloud's memory; what is drawn then is empty.
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn unload(&mut self) -> Result<(), MethodError> {
+        let nothing = Cloud::default();
+        self.pages = Pages::new(&self.gpu.device, &self.gpu.queue, (&nothing).into(), self.encoding, None)?;
+        Ok(())
     }
 
     /// Points of the cloud.

@@ -1,7 +1,7 @@
 //! The picture of each method against its twin's.
 
 use firstlight::{
-    methods::{Cloud, Drawn, Encoding, Gpu, METHODS, Method, NO_POINT, PerThread, Runner, by_name, twin},
+    methods::{Arranged, Cloud, Drawn, Encoding, Gpu, METHODS, Method, NO_POINT, PerThread, Runner, by_name, twin},
     render::View,
 };
 
@@ -150,6 +150,34 @@ fn packed_equals_wide_bit_for_bit() {
                 assert!(off <= allowed(&gpu, a.point.len()), "{}: {off} pixels differ", method.name);
                 assert!(a.point.iter().any(|&point| point != NO_POINT), "{}: something is shown", method.name);
             }
+        }
+    }
+}
+
+/// One runner with one cloud after the other draws what new runners would; unloaded, nothing.
+#[test]
+fn a_runner_takes_other_clouds() {
+    let Some(gpu) = clouds::gpu() else { return };
+    let (size, view) = ([64, 48], clouds::overview([64, 48]));
+    let few = clouds::lines(501);
+    let back: Vec<u32> = (0..3000).rev().collect();
+    let cube = clouds::cube(4000);
+    for encoding in ENCODINGS {
+        let mut runner = Runner::new(&gpu, &few, encoding, size).unwrap();
+        for method in methods(&gpu) {
+            runner.load(&few).unwrap();
+            check(&gpu, &mut runner, method, &few, &view, method.name);
+            // In an order that leaves points out: as a cloud that has the rest, turned round.
+            runner.load(Arranged { cloud: &cube, order: Some(&back) }).unwrap();
+            assert_eq!(runner.points(), 3000);
+            let turned = Cloud {
+                positions: back.iter().map(|&i| cube.positions[i as usize]).collect(),
+                colors: back.iter().map(|&i| cube.colors[i as usize]).collect(),
+            };
+            check(&gpu, &mut runner, method, &turned, &view, method.name);
+            runner.unload().unwrap();
+            let nothing = runner.draw(method, &view).unwrap();
+            assert!(nothing.point.iter().all(|&point| point == NO_POINT), "{}", method.name);
         }
     }
 }

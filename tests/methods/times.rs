@@ -102,7 +102,8 @@ fn a_paced_frame_is_the_same_or_abandoned() {
         for method in methods(&gpu).into_iter().filter(|method| method.wrong_on_purpose.is_none()) {
             let case = format!("{}, {encoding:?}", method.name);
             let whole = runner.draw(method, &view).unwrap();
-            let Paced::Drawn { drawn, secs } = runner.draw_paced(method, &view, Duration::from_secs(600)).unwrap() else {
+            let Paced::Drawn { drawn, secs } = runner.draw_paced(method, &view, Duration::from_secs(600)).unwrap()
+            else {
                 panic!("{case}: there was time enough");
             };
             assert!(secs > 0.0 && (drawn == whole || whole.give_ups + drawn.give_ups > 0), "{case}");

@@ -46,7 +46,8 @@ impl Accuracy {
     pub fn of(drawn: &Drawn, right: &Drawn, blends: bool) -> Accuracy {
         assert_eq!(drawn.size, right.size, "pictures of one size");
         let pixels = right.point.len();
-        let bands = map(pixels.div_ceil(BAND), |band| Sums::of(drawn, right, band * BAND..pixels.min((band + 1) * BAND)));
+        let bands =
+            map(pixels.div_ceil(BAND), |band| Sums::of(drawn, right, band * BAND..pixels.min((band + 1) * BAND)));
         let Sums { shown, depth_errors, covered, missing, extra, wrong, squares } =
             bands.into_iter().fold(Sums::default(), Sums::and);
         let mean_square = squares as f64 / (3 * covered) as f64;

@@ -151,7 +151,10 @@ mod tests {
         assert_eq!(checks(&report)[1].holds, Some(true));
         (report.blocks[0].reference_differs, report.blocks[0].reference_excused) = (500, 500);
         assert_eq!(checks(&report)[1].holds, Some(true), "rounding, all of it");
-        assert_eq!(checks(&report)[1].found, "of 1000 pixels 500 differ where it is worst, of which rounding explains 500");
+        assert_eq!(
+            checks(&report)[1].found,
+            "of 1000 pixels 500 differ where it is worst, of which rounding explains 500"
+        );
         report.blocks[0].reference_excused = 499;
         assert_eq!(checks(&report)[1].holds, Some(false), "one pixel is enough");
         report.blocks[0].covered_pixels = 0;

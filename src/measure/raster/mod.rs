@@ -24,6 +24,8 @@
 //! plot       lines and dots with names
 //! page       tables and plots on one page
 //! csv        one line per frame
+//! json       every sample in few bytes
+//! growth     one chart of several reports
 //! ```
 
 use crate::{
@@ -39,7 +41,9 @@ mod block;
 mod checks;
 mod csv;
 mod curves;
+mod growth;
 mod input;
+mod json;
 mod morton;
 mod orders;
 mod page;
@@ -56,13 +60,18 @@ mod views;
 pub use accuracy::{Accuracy, ssim};
 pub use checks::checks;
 pub use csv::write_csv;
+pub use growth::Growth;
 pub use input::{Input, Scan};
+pub use json::write_json;
 pub use morton::{MORTON_BITS, morton};
 pub use orders::{MORTON_BATCH, Order, Orders, gather};
 pub use page::page;
 pub use processor::{Agreement, Processor};
 pub use reference::{CITATION, PUBLISHED, Published};
-pub use report::{Block, Ceilings, Check, CurveKind, CurveRuns, Device, HostTime, MethodEntry, RasterReport, ReadCeiling, Row, Sample, TITLE};
+pub use report::{
+    Block, Ceilings, Check, CurveKind, CurveRuns, Device, HostTime, MethodEntry, RasterReport, ReadCeiling, Row,
+    Sample, TITLE,
+};
 pub use rounding::Exact;
 pub use run::{BenchRaster, Part, Watcher, bench_raster};
 pub use stacks::Stack;

@@ -184,7 +184,10 @@ fn merge(left: &[Key], right: &[Key], out: &mut [Key], threads: usize) {
 
 #[cfg(test)]
 mod tests {
-    use super::{super::orders::tests::{cloud, is_permutation}, *};
+    use super::{
+        super::orders::tests::{cloud, is_permutation},
+        *,
+    };
 
     /// Bit by bit, from the definition.
     fn slow_code(position: [i32; 3], low: [i32; 3], shift: u32) -> u64 {

@@ -154,5 +154,4 @@ pub(super) mod tests {
         b.sort();
         assert_eq!(a, b);
     }
-
 }

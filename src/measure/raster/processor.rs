@@ -236,7 +236,11 @@ mod tests {
     fn wrong_pictures_are_not_excused() {
         let (cloud, view) = town();
         let (processor, arranged) = (Processor::of(&cloud, &view), Arranged::from(&cloud));
-        assert!(processor.covered() > 1000 && processor.fragments > 10 * processor.covered(), "{}", processor.covered());
+        assert!(
+            processor.covered() > 1000 && processor.fragments > 10 * processor.covered(),
+            "{}",
+            processor.covered()
+        );
         let wrong = |drawn: &Drawn| {
             let found = processor.compare(drawn, arranged);
             found.differ - found.excused

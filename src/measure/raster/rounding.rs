@@ -35,7 +35,8 @@ impl Exact {
             (i64::from(position[a]) - eye) as f64 - f64::from(view.eye_fraction[a])
         });
         let dot = |row: &[f32; 4]| (0..3).map(|a| f64::from(row[a]) * d[a]).sum::<f64>();
-        let error = |row: &[f32; 4]| 8.0 * U * (0..3).map(|a| f64::from(row[a]).abs() * (d[a].abs() + 1.0)).sum::<f64>();
+        let error =
+            |row: &[f32; 4]| 8.0 * U * (0..3).map(|a| f64::from(row[a]).abs() * (d[a].abs() + 1.0)).sum::<f64>();
         let (depth, depth_error) = (dot(&view.row_w), error(&view.row_w));
         if depth + depth_error <= 0.0 {
             return None;
@@ -136,7 +137,9 @@ pub(super) mod tests {
     fn a_border_is_in_doubt_and_a_centre_is_not() {
         let exact = |x: f64| Exact { at: [x, 7.5], at_error: [0.001; 2], depth: 10.0, depth_error: 1e-5 };
         assert!(exact(3.5).must_be_in([3, 7]) && !exact(3.5).may_be_in([4, 7]));
-        assert!(exact(3.9995).may_be_in([4, 7]) && exact(3.9995).may_be_in([3, 7]) && !exact(3.9995).must_be_in([3, 7]));
+        assert!(
+            exact(3.9995).may_be_in([4, 7]) && exact(3.9995).may_be_in([3, 7]) && !exact(3.9995).must_be_in([3, 7])
+        );
         assert!(!exact(3.998).may_be_in([4, 7]));
     }
 }

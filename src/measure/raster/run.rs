@@ -17,7 +17,7 @@ use super::{
 };
 use crate::{
     measure::{machine::Machine, report_dir::ReportDirError},
-    methods::{self, Arranged, Copies, Encoding, Gpu, Method, Packing, Runner},
+    methods::{self, Arranged, Cloud, Copies, Encoding, Gpu, Method, Packing, Runner},
     render::{Camera, View},
 };
 
@@ -100,16 +100,22 @@ pub fn bench_raster(settings: &BenchRaster, gpu: &Gpu, watcher: &mut dyn Watcher
     // One for each viewpoint, when it is first needed.
     let mut processors: Vec<Option<Processor>> = shots.iter().map(|_| None).collect();
     let copies = if asked.is_empty() { None } else { Some(Copies::new(gpu)?) };
+    // One for each encoding: its pipelines are made once. Only one holds the cloud at a time.
+    let mut runners: Vec<Option<Runner>> = encodings.iter().map(|_| None).collect();
     for &order in asked {
         watcher.step(done, total, &format!("{} order", order.name()));
         let start = Instant::now();
         let points = orders.points(order, settings.seed);
         took(&mut report, &format!("{} order", order.name()), start);
         let arranged = Arranged { cloud: &scan.cloud, order: points.as_deref() };
-        for &encoding in &encodings {
+        for (&encoding, runner) in encodings.iter().zip(&mut runners) {
             let name = format!("{} order, {}", order.name(), encoding.name());
             let start = Instant::now();
-            let mut runner = Runner::new(gpu, arranged, encoding, settings.size)?;
+            let runner = match runner {
+                Some(runner) => runner,
+                new => new.insert(Runner::new(gpu, &Cloud::default(), encoding, settings.size)?),
+            };
+            runner.load(arranged)?;
             took(&mut report, &format!("upload of {name}"), start);
             for (shot, processor) in shots.iter().zip(&mut processors) {
                 watcher.step(done, total, &format!("{name}, {}", shot.name));
@@ -120,8 +126,8 @@ pub fn bench_raster(settings: &BenchRaster, gpu: &Gpu, watcher: &mut dyn Watcher
                 }
                 let start = Instant::now();
                 if let (Some(processor), Some(copies)) = (processor.as_ref(), &copies) {
-                    ceilings(&mut runner, copies, &mut report)?;
-                    let block = block(settings, &mut runner, &methods, arranged, order, shot, processor)?;
+                    ceilings(runner, copies, &mut report)?;
+                    let block = block(settings, runner, &methods, arranged, order, shot, processor)?;
                     report.wall_clock = block.rows.iter().any(Row::has_wall_clock);
                     report.blocks.push(block);
                 }
@@ -129,9 +135,11 @@ pub fn bench_raster(settings: &BenchRaster, gpu: &Gpu, watcher: &mut dyn Watcher
                 done += 1;
                 keep(&mut report, watcher)?;
             }
+            runner.unload()?;
         }
     }
-    drop(orders);
+    // The curves need their memory.
+    drop((orders, runners, copies));
     for step in curve_steps {
         watcher.step(done, total, &step.to_string());
         curves::measure(&step, settings, encodings[0], gpu, &scan, &methods, &mut report)?;

@@ -38,7 +38,9 @@ pub fn facts(report: &RasterReport) -> Vec<String> {
         format!("{}, {} cores{load}, {}", machine.processor, machine.cores, machine.system),
         format!(
             "{}: {} points, {} encoding, {width}x{height} pixels, points of one pixel",
-            report.input, report.points, encodings.join(" and ")
+            report.input,
+            report.points,
+            encodings.join(" and ")
         ),
         if report.wall_clock {
             "timed by the wall clock around submitted frames: the device has no timestamps that tell enough".into()
