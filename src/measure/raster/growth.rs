@@ -56,7 +56,7 @@ impl Growth {
     }
 
     fn what(&self) -> String {
-        format!("{} order, {} encoding, {}", self.order.name(), self.encoding, self.view)
+        format!("{} order, {}, {}", self.order.name(), self.encoding, self.view)
     }
 
     /// Points and milliseconds, from the fewest points on. A later report replaces an earlier one's figure.

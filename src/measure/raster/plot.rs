@@ -11,7 +11,8 @@ use crate::measure::html::escape;
 const SIZE: [f64; 2] = [720.0, 420.0];
 /// Left, right, top and bottom of the plane; the names stand to the right of it.
 const PLANE: [f64; 4] = [66.0, 600.0, 10.0, 370.0];
-/// Height of the title in a file.
+/// Where the title of a file begins, and its height.
+const LEFT: f64 = 8.0;
 const TITLE: f64 = 30.0;
 /// Least distance of two names.
 const LINE: f64 = 15.0;
@@ -118,7 +119,7 @@ impl Plot {
              fill=\"currentColor\">\n<style>:root {{ color: #1f2328 }} @media (prefers-color-scheme: dark) {{ :root {{ \
              color: #e6edf3 }} }}</style>\n<text x=\"{1}\" y=\"-10\" font-size=\"13\" font-weight=\"600\">{title}</text>{inside}",
             height + TITLE,
-            PLANE[0]
+            LEFT
         )
     }
 
