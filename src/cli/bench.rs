@@ -36,6 +36,8 @@ Slow methods draw fewer frames: all of a row together take about 0.3 s on a GPU.
 --max-frame draws no other, and is left in the middle after ten times as long; the tables say so. The host needs 16
 bytes of memory for each point, and 8 to 36 more while it sorts: 28 GB for a billion points of the synthetic town.
 
+--chart OUT.svg measures nothing: it draws several reports, of ever more points, in one chart.
+
 REPORT_DIR gets bench.json (every sample), bench.csv (a line per frame) and index.html (tables and charts); the
 tables are printed as Markdown too. The report is written after every block, so that Ctrl-C keeps what is done.
 

@@ -128,7 +128,7 @@ pub fn bench_raster(settings: &BenchRaster, gpu: &Gpu, watcher: &mut dyn Watcher
                 if let (Some(processor), Some(copies)) = (processor.as_ref(), &copies) {
                     ceilings(runner, copies, &mut report)?;
                     let block = block(settings, runner, &methods, arranged, order, shot, processor)?;
-                    report.wall_clock = block.rows.iter().any(Row::has_wall_clock);
+                    report.wall_clock |= block.rows.iter().any(Row::has_wall_clock);
                     report.blocks.push(block);
                 }
                 took(&mut report, &format!("block of {name}, {}", shot.name), start);
