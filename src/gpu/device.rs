@@ -65,7 +65,19 @@ const PATIENCE: Duration = Duration::from_secs(120);
 /// # Errors
 /// [`RenderError::DeviceLost`], also if the device does not answer.
 pub fn wait(device: &wgpu::Device) -> Result<(), RenderError> {
-    let poll = wgpu::PollType::Wait { submission_index: None, timeout: Some(PATIENCE) };
+    poll(device, None)
+}
+
+/// Waits until the work of a submission, and of all before it, is done.
+///
+/// # Errors
+/// As [`wait`].
+pub fn wait_for(device: &wgpu::Device, submission: wgpu::SubmissionIndex) -> Result<(), RenderError> {
+    poll(device, Some(submission))
+}
+
+fn poll(device: &wgpu::Device, submission_index: Option<wgpu::SubmissionIndex>) -> Result<(), RenderError> {
+    let poll = wgpu::PollType::Wait { submission_index, timeout: Some(PATIENCE) };
     match device.poll(poll) {
         Ok(_) => Ok(()),
         Err(error) => Err(RenderError::DeviceLost(format!("no answer within {} s ({error})", PATIENCE.as_secs()))),

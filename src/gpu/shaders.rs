@@ -50,9 +50,10 @@ shader!(HARDWARE, NOTHING, "page", "project", "points", "hardware");
 shader!(INDEX, NOTHING, "group", "project", "index");
 shader!(RESOLVE, NOTHING, "group", "page", "project", "points", "resolve");
 shader!(LIGHT, NOTHING, "group", "project", "light");
+shader!(COPY, NOTHING, "group", "methods/copy");
 
 /// All modules, for the tests.
-pub const ALL: [&Shader; 12] = [
+pub const ALL: [&Shader; 13] = [
     &INSERT,
     &MOVE,
     &RELOCATE,
@@ -65,4 +66,5 @@ pub const ALL: [&Shader; 12] = [
     &INDEX,
     &RESOLVE,
     &LIGHT,
+    &COPY,
 ];

@@ -3,7 +3,8 @@
 //! A [`Method`] is a row of [`METHODS`]: its kernels lie in `shaders/methods`, one a file, and share the
 //! `project` of `shaders/project.wgsl` with the rest of the program. A [`Runner`] holds a [`Cloud`] on a
 //! [`Gpu`] and draws or times any of them; [`twin`] holds the plain definitions of their pictures, to
-//! which the tests hold the kernels. [`ceilings()`] measures what no method can exceed.
+//! which the tests hold the kernels. [`Runner::draw_paced`] draws a first frame that can be left when it takes too long;
+//! [`ceilings()`] measures what no method can exceed.
 //!
 //! A point is one pixel here, as in the papers, whatever [`View::point_size`](crate::render::View) says.
 //!
@@ -77,7 +78,9 @@ mod gpu;
 mod hardware;
 mod launch;
 pub mod modules;
+mod paced;
 mod pages;
+pub(crate) mod parallel;
 mod pipelines;
 mod plan;
 mod runner;
@@ -86,11 +89,12 @@ mod targets;
 mod timing;
 pub mod twin;
 
-pub use ceilings::{Ceilings, ceilings};
-pub use cloud::{Cloud, Encoding, Packing};
+pub use ceilings::{Ceilings, Copies, ceilings};
+pub use cloud::{Arranged, Cloud, Encoding, Packing};
 pub use depth40::Depth40;
 pub use gpu::Gpu;
 pub use launch::Launch;
+pub use paced::{Abandoned, Paced};
 pub use pages::PageUniform;
 pub use runner::Runner;
 pub use table::{METHODS, Method, Needs, by_name};

@@ -70,6 +70,16 @@ impl Pipelines {
         self.made.get(kernel.name)
     }
 
+    /// For another cloud in the same encoding; says whether pipelines must be made anew.
+    pub fn set_packing(&mut self, packing: Option<Packing>) -> bool {
+        let is_other = self.packing.map(|old| old.bits) != packing.map(|new| new.bits);
+        self.packing = packing;
+        if is_other {
+            self.made.clear();
+        }
+        is_other
+    }
+
     pub fn set_launch(&mut self, launch: Launch) {
         self.launch = launch;
         self.made.clear();
