@@ -3,7 +3,7 @@
 use super::device;
 use crate::device::RenderError;
 
-/// Threads in a workgroup of every kernel, as `GROUP` in `shaders/group.wgsl`.
+/// Threads in a workgroup of every kernel that does not say otherwise, as `GROUP` in `shaders/group.wgsl`.
 pub const GROUP: u32 = 256;
 
 /// WebGPU's limit of workgroups per axis.
@@ -98,12 +98,23 @@ pub fn compute(
     entry: &str,
     groups: &[&wgpu::BindGroupLayout],
 ) -> wgpu::ComputePipeline {
+    compute_with(device, module, entry, groups, &[])
+}
+
+/// As [`compute`], with values for the module's overrides.
+pub fn compute_with(
+    device: &wgpu::Device,
+    module: &wgpu::ShaderModule,
+    entry: &str,
+    groups: &[&wgpu::BindGroupLayout],
+    constants: &[(&str, f64)],
+) -> wgpu::ComputePipeline {
     device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
         label: Some(entry),
         layout: Some(&pipeline_layout(device, entry, groups)),
         module,
         entry_point: Some(entry),
-        compilation_options: Default::default(),
+        compilation_options: wgpu::PipelineCompilationOptions { constants, ..Default::default() },
         cache: None,
     })
 }
@@ -134,17 +145,22 @@ pub fn uniform(device: &wgpu::Device, label: &str, size: u64) -> wgpu::Buffer {
     buffer(device, label, size, wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST)
 }
 
-/// Rows of workgroups that have at least `threads` threads, as `line_index` in `shaders/group.wgsl`
-/// numbers them.
-pub fn groups_for(threads: u32) -> [u32; 2] {
-    let groups = threads.div_ceil(GROUP);
+/// Rows of workgroups of `group` threads that have at least `threads` threads, as `line_index` in
+/// `shaders/group.wgsl` numbers them.
+pub fn groups_for(threads: u32, group: u32) -> [u32; 2] {
+    let groups = threads.div_ceil(group);
     let rows = groups.div_ceil(MAX_GROUPS).max(1);
     [groups.div_ceil(rows), rows]
 }
 
 /// Dispatches at least `threads` threads.
 pub fn dispatch(pass: &mut wgpu::ComputePass<'_>, threads: u32) {
-    let [x, y] = groups_for(threads);
+    dispatch_in(pass, threads, GROUP);
+}
+
+/// As [`dispatch`], in workgroups of `group` threads.
+pub fn dispatch_in(pass: &mut wgpu::ComputePass<'_>, threads: u32, group: u32) {
+    let [x, y] = groups_for(threads, group);
     if x > 0 {
         pass.dispatch_workgroups(x, y, 1);
     }
@@ -191,14 +207,16 @@ mod tests {
 
     #[test]
     fn groups_hold_all_threads_within_the_limit() {
-        let limit = MAX_GROUPS * GROUP;
-        for threads in [0, 1, 255, 256, 257, limit - 1, limit, limit + 1, 2 * limit + 1, 1 << 30, u32::MAX] {
-            let [x, y] = groups_for(threads);
-            assert!(x <= MAX_GROUPS && y <= MAX_GROUPS, "{threads}: {x} x {y}");
-            let room = u64::from(x) * u64::from(y) * u64::from(GROUP);
-            assert!(room >= u64::from(threads), "{threads}: {x} x {y}");
-            let waste = room - u64::from(threads);
-            assert!(waste < u64::from(y + 1) * u64::from(GROUP), "{threads}: {x} x {y}");
+        for group in [64, 128, GROUP] {
+            let limit = MAX_GROUPS * group;
+            for threads in [0, 1, 255, 256, 257, limit - 1, limit, limit + 1, 2 * limit + 1, 1 << 30, u32::MAX] {
+                let [x, y] = groups_for(threads, group);
+                assert!(x <= MAX_GROUPS && y <= MAX_GROUPS, "{threads}: {x} x {y}");
+                let room = u64::from(x) * u64::from(y) * u64::from(group);
+                assert!(room >= u64::from(threads), "{threads}: {x} x {y}");
+                let waste = room - u64::from(threads);
+                assert!(waste < u64::from(y + 1) * u64::from(group), "{threads}: {x} x {y}");
+            }
         }
     }
 }

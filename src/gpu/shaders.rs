@@ -22,6 +22,7 @@ impl Shader {
 }
 
 const NOTHING: wgpu::Features = wgpu::Features::empty();
+const SUBGROUP: wgpu::Features = wgpu::Features::SUBGROUP;
 /// 64-bit minimum and maximum.
 pub const INT64_MIN_MAX: wgpu::Features =
     wgpu::Features::SHADER_INT64.union(wgpu::Features::SHADER_INT64_ATOMIC_MIN_MAX);
@@ -42,25 +43,67 @@ shader!(INSERT, NOTHING, "group", "permutation", "insert");
 shader!(MOVE, NOTHING, "group", "permutation", "page", "move");
 shader!(RELOCATE, NOTHING, "group", "permutation", "relocate");
 shader!(CLEAR, NOTHING, "group", "project", "clear");
-shader!(RASTER_64, INT64_ATOMICS, "group", "page", "project", "points", "plot_64", "raster");
-shader!(RASTER_64_MIN, INT64_MIN_MAX, "group", "page", "project", "points", "plot_64_min", "raster");
-shader!(RASTER_DEPTH_32, NOTHING, "group", "page", "project", "points", "plot_depth_32", "raster");
-shader!(RASTER_SLOT_32, NOTHING, "group", "page", "project", "points", "plot_slot_32", "raster");
+shader!(EARLY_Z, INT64_ATOMICS, "group", "page", "project", "points", "plot_64", "raster", "span");
+shader!(ATOMIC_MIN, INT64_MIN_MAX, "group", "page", "project", "points", "plot_64_min", "raster", "span");
+shader!(
+    REDUCE,
+    INT64_MIN_MAX.union(SUBGROUP),
+    "group",
+    "page",
+    "project",
+    "points",
+    "plot_64_min",
+    "raster",
+    "subgroup",
+    "reduce",
+    "span_together"
+);
+shader!(
+    REDUCE_EARLY_Z,
+    INT64_ATOMICS.union(SUBGROUP),
+    "group",
+    "page",
+    "project",
+    "points",
+    "plot_64",
+    "raster",
+    "subgroup",
+    "reduce",
+    "span_together"
+);
+shader!(
+    DEDUP,
+    INT64_MIN_MAX.union(SUBGROUP),
+    "group",
+    "page",
+    "project",
+    "points",
+    "plot_64_min",
+    "raster",
+    "subgroup",
+    "dedup",
+    "span_together"
+);
+shader!(DEPTH_32, NOTHING, "group", "page", "project", "points", "plot_depth_32", "raster", "span");
+shader!(SLOT_32, NOTHING, "group", "page", "project", "points", "plot_slot_32", "raster", "span");
 shader!(HARDWARE, NOTHING, "page", "project", "points", "hardware");
 shader!(INDEX, NOTHING, "group", "project", "index");
 shader!(RESOLVE, NOTHING, "group", "page", "project", "points", "resolve");
 shader!(LIGHT, NOTHING, "group", "project", "light");
 
 /// All modules, for the tests.
-pub const ALL: [&Shader; 12] = [
+pub const ALL: [&Shader; 15] = [
     &INSERT,
     &MOVE,
     &RELOCATE,
     &CLEAR,
-    &RASTER_64,
-    &RASTER_64_MIN,
-    &RASTER_DEPTH_32,
-    &RASTER_SLOT_32,
+    &EARLY_Z,
+    &ATOMIC_MIN,
+    &REDUCE,
+    &REDUCE_EARLY_Z,
+    &DEDUP,
+    &DEPTH_32,
+    &SLOT_32,
     &HARDWARE,
     &INDEX,
     &RESOLVE,

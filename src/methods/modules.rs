@@ -68,9 +68,9 @@ const ALL_IN_SUBGROUPS: wgpu::Features = INT64_ATOMICS.union(wgpu::Features::SUB
 kernel!(JUST_SET, "draw", NOTHING, "methods/plot_just_set", "methods/each");
 kernel!(ATOMIC_MIN, "draw", INT64_MIN_MAX, "plot_64_min", "methods/each");
 kernel!(EARLY_Z, "draw", INT64_ATOMICS, "plot_64", "methods/each");
-kernel!(REDUCE, "draw", MIN_IN_SUBGROUPS, "plot_64_min", "methods/subgroup", "methods/reduce");
-kernel!(REDUCE_EARLY_Z, "draw", ALL_IN_SUBGROUPS, "plot_64", "methods/subgroup", "methods/reduce");
-kernel!(DEDUP, "draw", MIN_IN_SUBGROUPS, "plot_64_min", "methods/subgroup", "methods/dedup");
+kernel!(REDUCE, "draw", MIN_IN_SUBGROUPS, "plot_64_min", "subgroup", "reduce", "methods/together");
+kernel!(REDUCE_EARLY_Z, "draw", ALL_IN_SUBGROUPS, "plot_64", "subgroup", "reduce", "methods/together");
+kernel!(DEDUP, "draw", MIN_IN_SUBGROUPS, "plot_64_min", "subgroup", "dedup", "methods/together");
 kernel!(BUSY_LOOP, "draw", NOTHING, "methods/depth_clip", "methods/plot_busy_loop", "methods/each");
 kernel!(BUSY_LOOP_N, "draw", NOTHING, "methods/depth_normalized", "methods/plot_busy_loop", "methods/each");
 kernel!(RACY, "draw", NOTHING, "methods/plot_racy", "methods/each");

@@ -155,6 +155,11 @@ fn the_reported_camera_gives_the_same_picture() {
     }
 }
 
+/// The workgroup size of `NAME:SIZE`.
+fn group_of(asked: &str) -> u32 {
+    asked.split_once(':').map_or(256, |(_, size)| size.parse().unwrap())
+}
+
 #[test]
 fn the_report_is_complete() {
     let bench = Bench::new();
@@ -174,9 +179,18 @@ fn the_report_is_complete() {
         assert_eq!(report["point_size_px"], 1);
         assert_eq!(report["files"][0]["kind"], "LAS 1.2, format 3");
         assert_eq!(report["files"][0]["first_record"], 0);
-        let raster = way.strip_prefix("--raster ").unwrap_or("cpu");
-        assert_eq!(report["rasterizer"], raster);
-        assert_eq!(report["backend"], if raster == "cpu" { "cpu" } else { "gpu" });
+        let asked = way.strip_prefix("--method ").unwrap_or("cpu");
+        let method = asked.split(':').next().unwrap();
+        assert_eq!(report["method"], method);
+        assert_eq!(report["backend"], if method == "cpu" { "cpu" } else { "gpu" });
+        if method == "cpu" {
+            assert!(report["choice"].is_null());
+        } else {
+            assert_eq!(report["choice"]["method"], method);
+            assert_eq!(report["choice"]["why"], "asked for");
+            let group = if method == "points" { serde_json::Value::Null } else { group_of(asked).into() };
+            assert_eq!(report["choice"]["group_size"], group);
+        }
         for key in ["program", "adapter", "api", "picture_sha256"] {
             assert!(!report[key].as_str().unwrap().is_empty(), "{key}");
         }

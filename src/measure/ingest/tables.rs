@@ -41,8 +41,8 @@ pub fn facts(report: &IngestReport) -> Vec<String> {
     ];
     if let (Some(backend), Some([width, height])) = (&report.backend, report.size_px) {
         lines.push(format!(
-            "{} ({}), {} rasterizer, {width}x{height} pixels",
-            backend.adapter, backend.api, backend.raster
+            "{} ({}), {}, {width}x{height} pixels",
+            backend.adapter, backend.api, backend.method
         ));
     }
     lines.extend(report.problems.iter().map(|problem| format!("PROBLEM: {problem}")));

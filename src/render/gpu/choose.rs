@@ -1,33 +1,102 @@
-//! Which rasterizer: what the user asked for if the device can, else the faster one, measured.
+//! Which rasterizer: what the user asked for if the device can, else the fastest, measured on the scene
+//! itself: once enough of it is stored, and again when the picture's size has changed and then stayed
+//! for [`SETTLE`].
+//!
+//! The first picture waits for none of this: it is drawn with the method that is the fastest on most
+//! devices. Then candidates are compiled and timed one by one between frames, in at most [`SHARE`] of the
+//! time, or without that limit while nothing else is to be drawn.
 
-use std::time::Instant;
-
-use super::{GpuBackend, HardwareRaster};
-use crate::{
-    gpu::shaders,
-    render::{Backend, Camera, FramePlan, Raster, RenderError, Shading},
-    scene::{Bounds, Grid, PointBatch},
-    store::Insertion,
+use std::{
+    collections::VecDeque,
+    time::{Duration, Instant},
 };
 
-/// Which rasterizer to use.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum RasterChoice {
-    /// The faster one, measured at start.
-    #[default]
-    Auto,
-    /// Compute shaders; with 64-bit atomics where the device has them.
-    Compute,
-    /// Compute shaders with 32-bit atomics only.
-    Compute32,
-    /// Point-list draws.
-    Hardware,
+use super::{
+    GpuBackend, HardwareRaster, Rasterizer,
+    compute::{ComputeRaster, Kernels, modules},
+    probe::{Probe, Scene},
+};
+use crate::{
+    methods::Needs,
+    render::{Candidate, Choice, Clock, Measured, Measurement, Raster, RasterChoice, RenderError, View, Why, best},
+};
+
+/// How long the size of the picture must stay before it is measured for: not while a window is dragged.
+const SETTLE: Duration = Duration::from_millis(300);
+/// Of the time since the first picture, spent on measuring between frames.
+const SHARE: f64 = 0.1;
+/// Measuring goes on for so long before the next frame gets its turn.
+const SLICE: Duration = Duration::from_millis(4);
+/// All of a measurement; what was not measured by then is left out. One candidate may exceed it by the
+/// time that it takes itself, 5 to 20 ms on two cores.
+const LIMIT: Duration = Duration::from_millis(500);
+const SOFTWARE_LIMIT: Duration = Duration::from_millis(75);
+/// Points of one pixel that a run draws, of larger ones as many fewer as they have more pixels. On a GPU
+/// enough for its timestamps: 20 µs at 100 billion points per second; on a software rasterizer 0.4 ms.
+const PROBE_POINTS: u32 = 1 << 21;
+const SOFTWARE_PROBE_POINTS: u32 = 1 << 14;
+/// Fewer tell nothing.
+const MIN_PROBE_POINTS: u32 = 4096;
+
+/// Width and height of the picture, and width of a point: what a measurement holds for.
+type Picture = [u32; 3];
+
+/// What the backend knows about its choice.
+pub struct Chooser {
+    is_auto: bool,
+    device_type: wgpu::DeviceType,
+    kernels: Kernels,
+    hardware: Option<HardwareRaster>,
+    /// What the device can run.
+    able: Vec<Candidate>,
+    /// What it cannot, with the reason.
+    unable: Vec<Measured>,
+    ready: Instant,
+    /// Points promised for the scene, and those stored by the last frame.
+    expected: u64,
+    pub stored: u32,
+    view: Option<View>,
+    first_frame: Option<Instant>,
+    /// When the picture's size last became another.
+    resized: Option<Instant>,
+    measured: Option<Picture>,
+    measurements: u32,
+    spent: Duration,
+    round: Option<Round>,
 }
 
-/// Points that the measurement draws: enough for a timestamp (30 µs at a billion points per second),
-/// few enough that a software rasterizer, at some million points per second, does not delay the window.
-const PROBE_POINTS: u32 = 30_000;
-const PROBE_SIZE: [u32; 2] = [640, 360];
+/// A measurement under way.
+struct Round {
+    probe: Probe,
+    picture: Picture,
+    waiting: VecDeque<Candidate>,
+    table: Vec<Measured>,
+    spent: Duration,
+}
+
+enum Due {
+    Never,
+    In(Duration),
+    Now,
+}
+
+/// What the device lacks for a method, in words.
+pub fn missing(method: Raster, features: wgpu::Features, draws: Option<&'static str>) -> Option<String> {
+    let needed = modules(method).iter().fold(wgpu::Features::empty(), |all, shader| all | shader.needs);
+    let needed = needed.difference(features);
+    match method {
+        Raster::Points => draws.map(str::to_owned),
+        Raster::Cpu => Some("kernels of that name".into()),
+        _ => (!needed.is_empty()).then(|| Needs { features: needed, draws: false }.to_string()),
+    }
+}
+
+/// The fastest method on most devices, of those that a device with these features can run: early-z, or
+/// without 64-bit loads atomic-min, or without 64-bit atomics two-pass-32.
+pub fn default_method(features: wgpu::Features) -> Raster {
+    let order = [Raster::EarlyZ, Raster::AtomicMin];
+    order.into_iter().find(|&method| missing(method, features, None).is_none()).unwrap_or(Raster::TwoPass32)
+}
 
 /// A backend with the rasterizer that `choice` asks for.
 pub fn backend(
@@ -37,70 +106,321 @@ pub fn backend(
     choice: RasterChoice,
 ) -> Result<GpuBackend, RenderError> {
     let info = adapter.get_info();
-    let compute = if device.features().contains(shaders::INT64_MIN_MAX) { Raster::Compute } else { Raster::Compute32 };
-    let missing = HardwareRaster::missing(adapter);
-    let raster = match (choice, missing) {
-        (RasterChoice::Hardware, Some(missing)) => {
-            let missing = missing.to_owned();
-            return Err(RenderError::Unsupported { adapter: info.name, raster: Raster::Hardware, missing });
-        }
-        (RasterChoice::Hardware, None) => Raster::Hardware,
-        (RasterChoice::Compute32, _) => Raster::Compute32,
-        (RasterChoice::Compute | RasterChoice::Auto, _) => compute,
+    let draws = HardwareRaster::missing(adapter);
+    let lack = |method| missing(method, device.features(), draws);
+    let candidate = match choice {
+        RasterChoice::Auto => Candidate::new(default_method(device.features())),
+        RasterChoice::Fixed(candidate) => match lack(candidate.method) {
+            Some(missing) => {
+                return Err(RenderError::Unsupported { adapter: info.name, method: candidate.method, missing });
+            }
+            None => candidate,
+        },
     };
-    let mut backend = GpuBackend::with_raster(&info, device, queue, raster);
-    if choice == RasterChoice::Auto && missing.is_none() {
-        let compute_secs = probe(&mut backend)?;
-        let computing = backend.set_raster(Raster::Hardware);
-        let hardware_secs = probe(&mut backend)?;
-        // Never one by the device's clock and one by the host's.
-        let (by_compute, by_hardware) = match (compute_secs, hardware_secs) {
-            ((_, Some(by_compute)), (_, Some(by_hardware))) => (by_compute, by_hardware),
-            ((by_compute, _), (by_hardware, _)) => (by_compute, by_hardware),
-        };
-        log::info!("{PROBE_POINTS} points: {compute} {by_compute} s, hardware {by_hardware} s");
-        if by_compute <= by_hardware {
-            backend.put_back(compute, computing);
+    let (mut able, mut unable) = (Vec::new(), Vec::new());
+    for candidate in Candidate::all() {
+        match lack(candidate.method) {
+            None => able.push(candidate),
+            Some(missing) => unable.push(left_out(candidate, format!("the device lacks {missing}"))),
         }
-        backend.reset(0);
     }
-    Ok(backend)
+    Ok(GpuBackend::with_candidate(&info, device, queue, candidate, choice, (able, unable)))
 }
 
-/// Seconds to draw points spread over the picture, by the host's clock and, where there is one, by the
-/// device's: the second of two frames, since drivers finish compiling in the first.
-fn probe(backend: &mut GpuBackend) -> Result<(f64, Option<f64>), RenderError> {
-    backend.reset(PROBE_POINTS.into());
-    let insertion = Insertion::new(0, PROBE_POINTS, 0, 0);
-    let side = 1000;
-    let points = PointBatch {
-        positions: (0..PROBE_POINTS)
-            .map(|i| [0, 7, 13].map(|shift| (i.wrapping_mul(0x9E37_79B1).rotate_left(shift) % side).cast_signed()))
-            .collect(),
-        colors: vec![[0; 4]; PROBE_POINTS as usize],
-        records: (0..PROBE_POINTS).collect(),
-        ..Default::default()
-    };
-    backend.insert(&insertion, &points)?;
-    let grid = Grid { scale: [1.0; 3], origin: [0.0; 3] };
-    let bounds = Bounds { min: [0.0; 3], max: [f64::from(side); 3] };
-    let camera = Camera::fit(&bounds, &grid, f64::from(PROBE_SIZE[0]) / f64::from(PROBE_SIZE[1]));
-    let view = camera.view(&grid, PROBE_SIZE, 1).expect("a camera that fits a cube is valid");
-    let plan = FramePlan {
-        view,
-        reproject: false,
-        fresh: false,
-        fill: [0..PROBE_POINTS, 0..0],
-        shading: Shading::default(),
-        files: vec![],
-    };
-    let mut secs = (f64::INFINITY, None);
-    for _ in 0..2 {
-        let start = Instant::now();
-        backend.draw(&plan)?;
-        backend.wait()?;
-        let wall_secs = start.elapsed().as_secs_f64();
-        secs = (wall_secs, backend.pass_times().map(|times| times.fill).filter(|&secs| secs > 0.0));
+fn left_out(candidate: Candidate, why: String) -> Measured {
+    Measured { candidate, speed: None, left_out: Some(why) }
+}
+
+impl Chooser {
+    pub fn new(
+        kernels: Kernels,
+        device_type: wgpu::DeviceType,
+        choice: RasterChoice,
+        (able, unable): (Vec<Candidate>, Vec<Measured>),
+    ) -> Chooser {
+        Chooser {
+            is_auto: choice == RasterChoice::Auto,
+            device_type,
+            kernels,
+            hardware: None,
+            able,
+            unable,
+            ready: Instant::now(),
+            expected: 0,
+            stored: 0,
+            view: None,
+            first_frame: None,
+            resized: None,
+            measured: None,
+            measurements: 0,
+            spent: Duration::ZERO,
+            round: None,
+        }
     }
-    Ok(secs)
+
+    /// What the report says before anything is measured.
+    pub fn first_choice(&self, candidate: Candidate) -> Choice {
+        let (why, reason) = if self.is_auto {
+            (Why::Default, "not measured yet")
+        } else {
+            (Why::AskedFor, "named on the command line")
+        };
+        let unmeasured = self.able.iter().map(|&candidate| left_out(candidate, "not measured".into()));
+        let candidates = unmeasured.chain(self.unable.iter().cloned()).collect();
+        Choice { candidate, why, reason: reason.into(), measurement: None, candidates }
+    }
+
+    /// A rasterizer that the device can run.
+    pub fn rasterizer(
+        &mut self,
+        device: &wgpu::Device,
+        store: &crate::store::gpu::GpuStore,
+        candidate: Candidate,
+    ) -> Rasterizer {
+        if candidate.method == Raster::Points {
+            let raster = self.hardware.get_or_insert_with(|| HardwareRaster::new(device, store));
+            return Rasterizer::Hardware(raster.clone());
+        }
+        Rasterizer::Compute(ComputeRaster::new(device, candidate, &mut self.kernels))
+    }
+
+    /// A scene begins; what was measured on the one before need not hold for it.
+    pub fn reset(&mut self, points: u64) {
+        self.expected = points;
+        self.stored = 0;
+        self.measured = None;
+        self.round = None;
+    }
+
+    fn picture(&self) -> Option<Picture> {
+        self.view.map(|view| [view.width, view.height, view.point_size])
+    }
+
+    fn is_software(&self) -> bool {
+        self.device_type == wgpu::DeviceType::Cpu
+    }
+
+    fn probe_points(&self, point_size: u32) -> u32 {
+        let points = if self.is_software() { SOFTWARE_PROBE_POINTS } else { PROBE_POINTS };
+        (points / point_size.pow(2)).max(MIN_PROBE_POINTS)
+    }
+
+    /// A frame was drawn.
+    fn note_frame(&mut self, view: View, now: Instant) {
+        let before = self.picture();
+        self.view = Some(view);
+        self.first_frame.get_or_insert(now);
+        if before.is_some() && before != self.picture() {
+            self.resized = Some(now);
+            self.round = None;
+        }
+    }
+
+    fn due(&self, now: Instant) -> Due {
+        let (true, Some([_, _, point_size])) = (self.is_auto, self.picture()) else { return Due::Never };
+        // A scene that is still being read has half of it stored at least, or enough.
+        let enough = self.probe_points(point_size).min((self.expected / 2).min(u32::MAX.into()) as u32);
+        if self.round.is_some() {
+            return Due::Now;
+        }
+        if self.measured == self.picture() || self.stored < enough.max(MIN_PROBE_POINTS) {
+            return Due::Never;
+        }
+        match self.resized.map(|at| now.saturating_duration_since(at)) {
+            Some(since) if since < SETTLE => Due::In(SETTLE - since),
+            _ => Due::Now,
+        }
+    }
+}
+
+impl GpuBackend {
+    /// After each frame: measures on, as far as time allows.
+    pub(super) fn measure_between_frames(&mut self, view: View) -> Result<(), RenderError> {
+        let now = Instant::now();
+        let chooser = &mut self.chooser;
+        chooser.note_frame(view, now);
+        let since = chooser.first_frame.map_or(Duration::ZERO, |first| now - first);
+        let allowed = since.mul_f64(SHARE).saturating_sub(chooser.spent);
+        if !allowed.is_zero() && matches!(chooser.due(now), Due::Now) {
+            self.measure(SLICE.min(allowed))?;
+        }
+        Ok(())
+    }
+
+    /// While nothing is to be drawn: measures on for a few milliseconds if that is due, and says when it
+    /// wants to be called again, if at all.
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn measure_at_rest(&mut self) -> Result<Option<Duration>, RenderError> {
+        match self.chooser.due(Instant::now()) {
+            Due::Never => Ok(None),
+            Due::In(time) => Ok(Some(time)),
+            Due::Now => self.measure(SLICE).map(|()| Some(Duration::ZERO)),
+        }
+    }
+
+    /// Compiles and times candidates until `slice` is over, at least one.
+    fn measure(&mut self, slice: Duration) -> Result<(), RenderError> {
+        let start = Instant::now();
+        let current = self.current();
+        let limit = if self.chooser.is_software() { SOFTWARE_LIMIT } else { LIMIT };
+        let mut round = match self.chooser.round.take() {
+            Some(round) => round,
+            None => match self.begin_round()? {
+                Some(round) => round,
+                None => return Ok(()),
+            },
+        };
+        let spent_before = round.spent;
+        loop {
+            round.spent = spent_before + start.elapsed();
+            let Some(candidate) = round.waiting.pop_front() else { break };
+            if round.spent >= limit && candidate != current {
+                let why = "the time for measuring was over".to_owned();
+                round.table.push(left_out(candidate, why.clone()));
+                round.table.extend(round.waiting.drain(..).map(|candidate| left_out(candidate, why.clone())));
+                break;
+            }
+            let mut rasterizer = self.chooser.rasterizer(&self.device, &self.store, candidate);
+            let speed = round.probe.speed(&mut self.scene(), &mut rasterizer)?;
+            let left_out = speed.is_none().then(|| "the clock gave no time".into());
+            round.table.push(Measured { candidate, speed, left_out });
+            if start.elapsed() >= slice && !round.waiting.is_empty() {
+                break;
+            }
+        }
+        round.spent = spent_before + start.elapsed();
+        self.chooser.spent += start.elapsed();
+        if round.waiting.is_empty() {
+            self.finish_round(round);
+        } else {
+            self.chooser.round = Some(round);
+        }
+        Ok(())
+    }
+
+    fn current(&self) -> Candidate {
+        self.info.choice.as_ref().map_or(Candidate::new(self.info.method), |choice| choice.candidate)
+    }
+
+    fn scene(&mut self) -> Scene<'_> {
+        Scene { device: &self.device, queue: &self.queue, store: &self.store, binder: &mut self.binder }
+    }
+
+    /// None, and no more attempts for this picture, if there is no memory for it.
+    fn begin_round(&mut self) -> Result<Option<Round>, RenderError> {
+        let (Some(view), Some(picture)) = (self.chooser.view, self.chooser.picture()) else { return Ok(None) };
+        let points = self.chooser.probe_points(view.point_size).min(self.chooser.stored);
+        let device_type = self.chooser.device_type;
+        let start = Instant::now();
+        let current = self.current();
+        let scene = Scene { device: &self.device, queue: &self.queue, store: &self.store, binder: &mut self.binder };
+        let mut probe = match Probe::new(&scene, &self.layouts, device_type, &view, points) {
+            Ok(probe) => probe,
+            Err(detail) => {
+                self.chooser.measured = Some(picture);
+                if let Some(choice) = &mut self.info.choice {
+                    choice.reason = format!("no memory to measure with ({detail})");
+                }
+                return Ok(None);
+            }
+        };
+        let mut rasterizer = self.chooser.rasterizer(&self.device, &self.store, current);
+        let clear = self.clear.clone();
+        probe.prepare(&mut self.scene(), &mut rasterizer, &clear)?;
+        // The current one first: without its figure there is nothing to compare with.
+        let others = self.chooser.able.iter().copied().filter(|&candidate| candidate != current);
+        let waiting = [current].into_iter().chain(others).collect();
+        log::debug!("measuring: ready after {:.1?}", start.elapsed());
+        Ok(Some(Round { probe, picture, waiting, table: Vec::new(), spent: Duration::ZERO }))
+    }
+
+    fn finish_round(&mut self, round: Round) {
+        let before = self.current();
+        let now = best(before, &round.table);
+        let secs_of = |wanted: Candidate| {
+            let row = round.table.iter().find(|row| row.candidate == wanted);
+            row.and_then(|row| row.speed).map(|speed| speed.secs_per_point())
+        };
+        let reason = match (secs_of(now), secs_of(before)) {
+            (Some(secs), Some(secs_before)) if now != before => {
+                format!("{:.2} times as fast as {before}", secs_before / secs)
+            }
+            (Some(_), _) => "none is more than 5 % faster".into(),
+            _ => "it could not be timed, and nothing can be compared with it".into(),
+        };
+        let chooser = &mut self.chooser;
+        let [width, height, point_size_px] = round.picture;
+        let measurement = Measurement {
+            at_secs: chooser.ready.elapsed().as_secs_f64(),
+            took_secs: round.spent.as_secs_f64(),
+            points: round.probe.points,
+            size_px: [width, height],
+            point_size_px,
+            before: chooser.measurements,
+        };
+        chooser.measured = Some(round.picture);
+        chooser.measurements += 1;
+        let candidates: Vec<_> = round.table.into_iter().chain(chooser.unable.iter().cloned()).collect();
+        log::info!(
+            "{now}: {reason}; measured for {width}x{height}, {point_size_px} px points, in {:.1} ms: {}",
+            measurement.took_secs * 1e3,
+            candidates.iter().filter_map(in_words).collect::<Vec<_>>().join(", "),
+        );
+        if now != before {
+            let mut rasterizer = self.chooser.rasterizer(&self.device, &self.store, now);
+            if let (Rasterizer::Hardware(raster), Some(targets)) = (&mut rasterizer, &self.targets) {
+                raster.resize(&self.device, &self.view, &targets.words, targets.size);
+            }
+            self.rasterizer = rasterizer;
+        }
+        self.info.method = now.method;
+        self.info.choice =
+            Some(Choice { candidate: now, why: Why::Measured, reason, measurement: Some(measurement), candidates });
+    }
+}
+
+/// Speeds in millions of points per second, of what was measured.
+fn in_words(row: &Measured) -> Option<String> {
+    let speed = row.speed?;
+    let clock = if speed.clock == Clock::Wall { " (wall clock)" } else { "" };
+    let [overview, far] = [speed.overview_points_per_sec, speed.far_points_per_sec].map(|rate| rate * 1e-6);
+    Some(format!("{} {overview:.0}/{far:.0} M points/s{clock}", row.candidate))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{gpu::shaders, methods};
+
+    #[test]
+    fn missing_features_are_named_and_lead_to_another_default() {
+        let all = shaders::INT64_ATOMICS | wgpu::Features::SUBGROUP;
+        let no_loads = all.difference(wgpu::Features::SHADER_INT64_ATOMIC_ALL_OPS);
+        let no_subgroups = shaders::INT64_ATOMICS;
+        let nothing = wgpu::Features::empty();
+        for method in Raster::ON_GPU {
+            assert_eq!(missing(method, all, None), None, "{method}");
+        }
+        let lacks = |method, features| missing(method, features, None).unwrap_or_default();
+        assert_eq!(lacks(Raster::EarlyZ, no_loads), "64-bit atomics");
+        assert_eq!(lacks(Raster::AtomicMin, no_loads), "");
+        assert_eq!(lacks(Raster::ReduceEarlyZ, no_subgroups), "subgroups");
+        assert_eq!(lacks(Raster::Dedup, nothing), "64-bit atomic minimum, subgroups");
+        assert_eq!(lacks(Raster::TwoPass32, nothing), "");
+        assert_eq!(missing(Raster::Points, all, Some("indirect draws")).as_deref(), Some("indirect draws"));
+        let defaults = [all, no_subgroups, no_loads, nothing].map(default_method);
+        assert_eq!(defaults, [Raster::EarlyZ, Raster::EarlyZ, Raster::AtomicMin, Raster::TwoPass32]);
+    }
+
+    #[test]
+    fn methods_are_rows_of_the_table_that_give_every_pixel_its_front_point() {
+        for raster in Raster::ON_GPU {
+            let method = methods::by_name(raster.name()).expect("a row");
+            assert!(method.wrong_on_purpose.is_none() && !method.blends, "{raster}");
+            let needs = modules(raster).iter().fold(wgpu::Features::empty(), |all, shader| all | shader.needs);
+            assert_eq!(needs, method.needs.features, "{raster}");
+        }
+    }
 }

@@ -1,8 +1,7 @@
 // A subgroup whose points all fall into one pixel plots one of them. Otherwise neighbouring threads
-// compare, and of two points in one pixel only the front one is plotted. For any subgroup size.
-@compute @workgroup_size(256)
-fn draw(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) thread: u32, @builtin(subgroup_invocation_id) lane: u32, @builtin(subgroup_size) lanes: u32) {
-    let fragment = fragment_of(line_index(group, groups, thread));
+// compare, and of two points in one pixel only the front one is plotted. For any subgroup size; all
+// threads of a subgroup call it together.
+fn plot_together(fragment: Fragment, lane: u32, lanes: u32) {
     let is_shown = fragment.pixel != NO_PIXEL;
     let pixel = subgroupMin(fragment.pixel);
     if subgroupAll(!is_shown || fragment.pixel == pixel) {

@@ -9,17 +9,6 @@ struct Fragment {
 const NO_PIXEL: u32 = 0xffffffffu;
 const NO_SLOT: u32 = 0xffffffffu;
 
-fn fragment_of(local: u32) -> Fragment {
-    var fragment = Fragment(NO_PIXEL, 0.0, NO_SLOT);
-    if local < page.len {
-        let point = project(load_position(local));
-        if point.is_inside {
-            fragment = Fragment(u32(point.corner.y) * view.width + u32(point.corner.x), point.depth, page.first + local);
-        }
-    }
-    return fragment;
-}
-
 // The lowest slot of the smallest depth among the threads that take part. Depths are positive: their
 // bits have their order.
 fn front_slot(takes_part: bool, fragment: Fragment) -> u32 {

@@ -1,9 +1,7 @@
 // One `plot` for each distinct pixel of a subgroup. WGSL has no partition instruction: each round, all
 // threads look at the pixel of the first that is left. There are as many rounds as distinct pixels, at
-// most as many as threads.
-@compute @workgroup_size(256)
-fn draw(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) thread: u32, @builtin(subgroup_size) lanes: u32) {
-    let fragment = fragment_of(line_index(group, groups, thread));
+// most as many as threads. All threads of a subgroup call it together.
+fn plot_together(fragment: Fragment, lane: u32, lanes: u32) {
     var is_left = fragment.pixel != NO_PIXEL;
     for (var round = 0u; round < lanes; round++) {
         let left = subgroupBallot(is_left);
