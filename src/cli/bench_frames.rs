@@ -74,9 +74,8 @@ pub fn run(args: BenchFramesArgs, started: Instant) -> Result<ExitStatus, CliErr
         Some(options) => Feed::synth(options, args.threads)?,
         None => Feed::files(&args.inputs, args.threads),
     };
-    let (backend, _, notes) =
-        make_backend(backend_choice(args.backend, args.method)?, args.method, args.threads)
-            .map_err(BenchError::from)?;
+    let (backend, _, notes) = make_backend(backend_choice(args.backend, args.method)?, args.method, args.threads)
+        .map_err(BenchError::from)?;
     notes.iter().for_each(|note| say(note));
     let settings = BenchFrames {
         size: args.size,

@@ -15,7 +15,6 @@ use super::{
     render::{BackendArg, backend_choice},
     say, values,
 };
-use crate::render::RasterChoice;
 use crate::measure::{
     ReportDir,
     ingest::{
@@ -23,6 +22,7 @@ use crate::measure::{
         page, write_csv,
     },
 };
+use crate::render::RasterChoice;
 
 /// Shown after the options.
 pub const HELP: &str = "\

@@ -30,16 +30,9 @@ impl Candidate {
     /// All candidates: every method with its first group size, then with the others. Point lists come
     /// last, since they are the slowest to measure.
     pub fn all() -> Vec<Candidate> {
-        let compute = [
-            Raster::EarlyZ,
-            Raster::ReduceEarlyZ,
-            Raster::AtomicMin,
-            Raster::Reduce,
-            Raster::TwoPass32,
-            Raster::Dedup,
-        ];
-        let sized =
-            |group: u32| compute.map(|method| Candidate { group_size: Some(group), ..Candidate::new(method) });
+        let compute =
+            [Raster::EarlyZ, Raster::ReduceEarlyZ, Raster::AtomicMin, Raster::Reduce, Raster::TwoPass32, Raster::Dedup];
+        let sized = |group: u32| compute.map(|method| Candidate { group_size: Some(group), ..Candidate::new(method) });
         GROUP_SIZES.iter().flat_map(|&group| sized(group)).chain([Candidate::new(Raster::Points)]).collect()
     }
 }
@@ -97,6 +90,20 @@ impl Speed {
     /// candidates are fast the noise of measuring counts for little.
     pub fn secs_per_point(&self) -> f64 {
         1.0 / self.overview_points_per_sec + 1.0 / self.far_points_per_sec
+    }
+
+    /// Of two measurements by one clock the faster, view by view: what slows a run down is not the
+    /// candidate's.
+    #[must_use]
+    pub fn faster(self, other: Speed) -> Speed {
+        if self.clock != other.clock {
+            return self;
+        }
+        Speed {
+            overview_points_per_sec: self.overview_points_per_sec.max(other.overview_points_per_sec),
+            far_points_per_sec: self.far_points_per_sec.max(other.far_points_per_sec),
+            clock: self.clock,
+        }
     }
 }
 
@@ -203,7 +210,8 @@ mod tests {
 
     #[test]
     fn little_gain_changes_nothing() {
-        let gain = |share: f64| [row(EARLY_Z, 1e9, 1e9, Clock::Wall), row(REDUCE, share * 1e9, share * 1e9, Clock::Wall)];
+        let gain =
+            |share: f64| [row(EARLY_Z, 1e9, 1e9, Clock::Wall), row(REDUCE, share * 1e9, share * 1e9, Clock::Wall)];
         assert_eq!(best(EARLY_Z, &gain(1.049)), EARLY_Z);
         assert_eq!(best(EARLY_Z, &gain(1.051)), REDUCE);
         // And back again only by as much.

@@ -18,7 +18,9 @@ pub use crate::device::{PassTimes, Raster, RenderError};
 pub use backend::{Backend, BackendInfo, FramePlan, Picture, Shading};
 pub use budget::{BudgetController, FillBudget};
 pub use camera::{Camera, CameraError, Projected, View};
-pub use choice::{Candidate, Choice, Clock, GROUP_SIZES, MARGIN, Measured, Measurement, RasterChoice, Speed, Why, best};
+pub use choice::{
+    Candidate, Choice, Clock, GROUP_SIZES, MARGIN, Measured, Measurement, RasterChoice, Speed, Why, best,
+};
 pub use color::{FileColor, elevation_ramp};
 pub use cpu::CpuBackend;
 pub use gpu::{GpuBackend, ShadingUniform};

@@ -29,10 +29,7 @@ pub fn without(features: wgpu::Features) -> Option<GpuBackend> {
 }
 
 /// As [`without`], with this choice.
-pub fn with_choice_without(
-    choice: RasterChoice,
-    features: wgpu::Features,
-) -> Option<Result<GpuBackend, RenderError>> {
+pub fn with_choice_without(choice: RasterChoice, features: wgpu::Features) -> Option<Result<GpuBackend, RenderError>> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
     let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default())).ok()?;
     let mut descriptor = GpuBackend::device_descriptor(&adapter);

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use firstlight::{
     render::{
-        Backend, Camera, CpuBackend, FileColor, FillBudget, FramePlan, FrameRequest, Picture, Progressive,
-        Raster, Shading, StoreOptions,
+        Backend, Camera, CpuBackend, FileColor, FillBudget, FramePlan, FrameRequest, Picture, Progressive, Raster,
+        Shading, StoreOptions,
     },
     scene::ColorRule,
     store::Insertion,

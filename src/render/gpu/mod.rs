@@ -4,18 +4,18 @@ mod choose;
 mod compute;
 mod hardware;
 mod index;
+mod measure;
 mod probe;
 mod resolve;
 mod sources;
 mod targets;
 
 pub use self::resolve::ShadingUniform;
-use std::time::Duration;
 use self::{
-    choose::Chooser,
     compute::{ComputeRaster, Kernels},
     hardware::HardwareRaster,
     index::IndexBuild,
+    measure::Chooser,
     resolve::Resolve,
     sources::{Source, SourceBinder, Sources},
     targets::{TargetLayouts, Targets},
@@ -34,6 +34,7 @@ use crate::{
         gpu::{GpuStore, INSERTIONS_PER_FRAME},
     },
 };
+use std::time::Duration;
 
 enum Rasterizer {
     Compute(ComputeRaster),
