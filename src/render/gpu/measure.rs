@@ -28,8 +28,7 @@ const SHARE: f64 = 0.1;
 /// Measuring goes on for so long before the next frame gets its turn.
 const SLICE: Duration = Duration::from_millis(4);
 /// All of a measurement; a candidate that would take longer, judged by the slowest before, is left out. On
-/// lavapipe with two cores, a kernel takes 3 to 10 ms if Mesa's cache on disk has it, else 35, or with
-/// subgroups 80.
+/// lavapipe with two cores, a kernel takes 3 to 10 ms if Mesa's cache on disk has it, else 35.
 const LIMIT: Duration = Duration::from_millis(500);
 const SOFTWARE_LIMIT: Duration = Duration::from_millis(80);
 /// Points of one pixel that a run draws, of larger ones as many fewer as they have more pixels. On a GPU
@@ -40,6 +39,7 @@ const SOFTWARE_PROBE_POINTS: u32 = 1 << 14;
 const MIN_PROBE_POINTS: u32 = 4096;
 
 const TOO_LONG: &str = "it would take too long to measure";
+const HOPELESS: &str = "slow on every software rasterizer, and long to measure";
 
 /// Width and height of the picture, and width of a point: what a measurement holds for.
 type Picture = [u32; 3];
@@ -205,7 +205,12 @@ impl GpuBackend {
         match self.chooser.due(Instant::now()) {
             Due::Never => Ok(None),
             Due::In(time) => Ok(Some(time)),
-            Due::Now => self.measure(SLICE).map(|()| Some(Duration::ZERO)),
+            Due::Now => {
+                // In one go on a processor, where each frame of a window between two slices would cost more
+                // than what it shows.
+                let slice = if self.chooser.is_software() { SOFTWARE_LIMIT } else { SLICE };
+                self.measure(slice).map(|()| Some(Duration::ZERO))
+            }
         }
     }
 
@@ -307,16 +312,11 @@ impl GpuBackend {
         let mut waiting: VecDeque<_> = [current].into_iter().chain(others).collect();
         let mut table = Vec::new();
         if self.chooser.is_software() {
-            // A processor only loses by subgroups: 15 to 20 million points/s where early-z has 70. Point
-            // lists have 3 to 5, so that measuring them takes as long as everything else together.
-            waiting
-                .make_contiguous()
-                .sort_by_key(|candidate| candidate != &current && uses_subgroups(candidate.method));
-            let points = Candidate::new(Raster::Points);
-            if current != points && waiting.contains(&points) {
-                waiting.retain(|candidate| candidate != &points);
-                table.push(left_out(points, TOO_LONG.into()));
-            }
+            let is_hopeless =
+                |candidate: &Candidate| *candidate != current && is_hopeless_in_software(candidate.method);
+            let hopeless = waiting.iter().copied().filter(is_hopeless);
+            table.extend(hopeless.map(|candidate| left_out(candidate, HOPELESS.into())));
+            waiting.retain(|candidate| !is_hopeless(candidate));
         }
         log::debug!("measuring: ready after {:.1?}", start.elapsed());
         Ok(Some(Round { probe, picture, waiting, table, spent: Duration::ZERO, longest: Duration::ZERO }))
@@ -367,8 +367,11 @@ impl GpuBackend {
     }
 }
 
-fn uses_subgroups(method: Raster) -> bool {
-    modules(method).iter().any(|shader| shader.needs.contains(wgpu::Features::SUBGROUP))
+/// On a processor, subgroups have a quarter of early-z's speed (15 to 20 million points/s of 70, lavapipe) and
+/// take 80 to 200 ms to compile; point lists have a fifteenth.
+fn is_hopeless_in_software(method: Raster) -> bool {
+    let uses_subgroups = modules(method).iter().any(|shader| shader.needs.contains(wgpu::Features::SUBGROUP));
+    method == Raster::Points || uses_subgroups
 }
 
 /// Speeds in millions of points per second, of what was measured.
