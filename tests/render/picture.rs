@@ -5,7 +5,7 @@ use std::fs;
 use firstlight::{render::Shading, synth::Scene};
 use sha2::{Digest, Sha256};
 
-use crate::bench::{Bench, Outputs, data, ways_to_draw};
+use crate::bench::{Bench, Outputs, data, gpu_or_skip, ways_to_draw};
 
 #[test]
 fn the_outputs_agree() {
@@ -206,6 +206,47 @@ fn the_report_is_complete() {
             assert_eq!(report["outputs"][key], name);
         }
     }
+}
+
+#[test]
+fn the_choice_and_its_figures_are_in_the_reports() {
+    if !gpu_or_skip() {
+        return;
+    }
+    let bench = Bench::new();
+    bench.run("bench-frames --synth town:100k --at 100k --frames 2 --size 320x200 --json frames.json").expect(0);
+    let report: serde_json::Value = serde_json::from_slice(&fs::read(bench.path("frames.json")).unwrap()).unwrap();
+    let choice = &report["choice"];
+    assert_eq!(choice["why"], "measured", "{choice}");
+    assert_eq!(choice["method"], report["method"]);
+    assert!(!choice["reason"].as_str().unwrap().is_empty());
+    assert_eq!(choice["measurement"]["size_px"], serde_json::json!([320, 200]));
+    for key in ["at_secs", "took_secs", "points"] {
+        assert!(choice["measurement"][key].as_f64().unwrap() > 0.0, "{key}: {choice}");
+    }
+    let rows = choice["candidates"].as_array().unwrap();
+    assert_eq!(rows.len(), 19, "six methods in three group sizes, and point lists");
+    let mut speeds = 0;
+    for row in rows {
+        assert!(row["method"].is_string(), "{row}");
+        if row["speed"].is_null() {
+            assert!(!row["left_out"].as_str().unwrap().is_empty(), "{row}");
+            continue;
+        }
+        speeds += 1;
+        assert!(["device timestamps", "wall clock"].contains(&row["speed"]["clock"].as_str().unwrap()));
+        for view in ["overview_points_per_sec", "far_points_per_sec"] {
+            assert!(row["speed"][view].as_f64().unwrap() > 1e3, "{row}");
+        }
+    }
+    assert!(speeds > 0);
+
+    // A picture that is finished sooner says what it was drawn with, and why.
+    bench.scan("a.las", Scene::Town, 3_000);
+    let report = bench.render("a.las --size 64x48 --backend gpu").report;
+    assert_eq!(report["choice"]["why"], "default");
+    assert_eq!(report["choice"]["method"], report["method"]);
+    assert!(report["choice"]["measurement"].is_null());
 }
 
 #[test]
