@@ -14,7 +14,7 @@ use super::{
     GpuBackend, HardwareRaster, Rasterizer,
     choose::left_out,
     compute::{ComputeRaster, Kernels, modules},
-    probe::{Probe, Scene},
+    probe::{MIN_POINTS, Probe, Scene},
 };
 use crate::{
     render::{Candidate, Choice, Clock, Measured, Measurement, Raster, RasterChoice, RenderError, View, Why, best},
@@ -31,12 +31,10 @@ const SLICE: Duration = Duration::from_millis(4);
 /// lavapipe with two cores, a kernel takes 3 to 10 ms if Mesa's cache on disk has it, else 35.
 const LIMIT: Duration = Duration::from_millis(500);
 const SOFTWARE_LIMIT: Duration = Duration::from_millis(80);
-/// Points of one pixel that a run draws, of larger ones as many fewer as they have more pixels. On a GPU
+/// Points of one pixel that a run draws at most, of larger ones as many fewer as they have more pixels. On a GPU
 /// enough for its timestamps: 20 µs at 100 billion points per second; on a software rasterizer 0.4 ms.
 const PROBE_POINTS: u32 = 1 << 21;
 const SOFTWARE_PROBE_POINTS: u32 = 1 << 14;
-/// Fewer tell nothing.
-const MIN_PROBE_POINTS: u32 = 4096;
 
 const TOO_LONG: &str = "it would take too long to measure";
 const HOPELESS: &str = "slow on every software rasterizer, and long to measure";
@@ -151,7 +149,7 @@ impl Chooser {
 
     fn probe_points(&self, point_size: u32) -> u32 {
         let points = if self.is_software() { SOFTWARE_PROBE_POINTS } else { PROBE_POINTS };
-        (points / point_size.pow(2)).max(MIN_PROBE_POINTS)
+        (points / point_size.pow(2)).max(MIN_POINTS)
     }
 
     /// A frame was drawn.
@@ -172,7 +170,7 @@ impl Chooser {
         if self.round.is_some() {
             return Due::Now;
         }
-        if self.measured == self.picture() || self.stored < enough.max(MIN_PROBE_POINTS) {
+        if self.measured == self.picture() || self.stored < enough.max(MIN_POINTS) {
             return Due::Never;
         }
         match self.resized.map(|at| now.saturating_duration_since(at)) {

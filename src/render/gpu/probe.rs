@@ -29,6 +29,17 @@ pub fn concentrated(view: &View) -> View {
     View { row_x, row_y, ..*view }
 }
 
+/// A run need not take longer: clocks tell less than a hundredth of it apart.
+const RUN_SECS: f64 = 1e-3;
+/// Fewer points tell nothing.
+pub const MIN_POINTS: u32 = 4096;
+
+/// As many of `points`, which took `secs`, as a run needs.
+fn few_enough(points: u32, secs: f64) -> u32 {
+    let share = (RUN_SECS / secs).min(1.0);
+    ((f64::from(points) * share) as u32).max(MIN_POINTS.min(points))
+}
+
 /// What a probe borrows of the backend.
 pub struct Scene<'a> {
     pub device: &'a wgpu::Device,
@@ -98,6 +109,10 @@ impl Probe {
         self.aim(scene, rasterizer);
         for view in self.views {
             self.draw(scene, rasterizer, &view)?;
+        }
+        let view = self.views[0];
+        if let Some((secs, _)) = self.draw(scene, rasterizer, &view)? {
+            self.points = few_enough(self.points, secs);
         }
         Ok(())
     }
@@ -173,6 +188,14 @@ mod tests {
         render::Camera,
         scene::{Bounds, Grid},
     };
+
+    #[test]
+    fn slow_devices_draw_fewer_points() {
+        assert_eq!(few_enough(1 << 21, 20e-6), 1 << 21);
+        assert_eq!(few_enough(2_000_000, 20e-3), 100_000);
+        assert_eq!(few_enough(16_384, 1.0), MIN_POINTS);
+        assert_eq!(few_enough(1000, 1.0), 1000);
+    }
 
     #[test]
     fn the_concentrated_view_has_all_points_on_few_pixels() {
