@@ -3,28 +3,63 @@
 
 use serde::Serialize;
 
-/// A way to turn points into pixels. All of them give the same words, see [`crate::render`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
+/// A way to turn points into pixels, under the name that it has in [`crate::methods::METHODS`]. All of
+/// them give the same words, see [`crate::render`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Raster {
-    /// Compute shader, 64-bit `atomicMin` of depth and slot.
-    Compute,
-    /// Compute shader, two passes of 32-bit `atomicMin`: depth, then slot.
-    Compute32,
     /// Point-list draws with the depth test, then the slots of the points that passed it.
-    Hardware,
-    /// The kernels' twins, on the processor.
+    Points,
+    /// 64-bit `atomicMin` of depth and slot.
+    AtomicMin,
+    /// The same after a plain read of the word.
+    EarlyZ,
+    /// `AtomicMin` for one point of a subgroup in one pixel, or for the front one of neighbours.
+    Reduce,
+    /// Both.
+    ReduceEarlyZ,
+    /// One `AtomicMin` for each distinct pixel of a subgroup.
+    Dedup,
+    /// Two passes of 32-bit `atomicMin`: depth, then slot.
+    TwoPass32,
+    /// The kernels' twins, on the processor; no row of the table.
     Cpu,
+}
+
+impl Raster {
+    /// Those that a GPU runs.
+    pub const ON_GPU: [Raster; 7] = [
+        Raster::Points,
+        Raster::AtomicMin,
+        Raster::EarlyZ,
+        Raster::Reduce,
+        Raster::ReduceEarlyZ,
+        Raster::Dedup,
+        Raster::TwoPass32,
+    ];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Raster::Points => "points",
+            Raster::AtomicMin => "atomic-min",
+            Raster::EarlyZ => "early-z",
+            Raster::Reduce => "reduce",
+            Raster::ReduceEarlyZ => "reduce-early-z",
+            Raster::Dedup => "dedup",
+            Raster::TwoPass32 => "two-pass-32",
+            Raster::Cpu => "cpu",
+        }
+    }
 }
 
 impl std::fmt::Display for Raster {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Raster::Compute => "compute",
-            Raster::Compute32 => "compute32",
-            Raster::Hardware => "hardware",
-            Raster::Cpu => "cpu",
-        })
+        f.write_str(self.name())
+    }
+}
+
+impl Serialize for Raster {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
     }
 }
 
@@ -56,8 +91,8 @@ impl PassTimes {
 pub enum RenderError {
     #[error("no GPU adapter found{0}")]
     NoAdapter(String),
-    #[error("the {adapter} cannot run the {raster} rasterizer: it lacks {missing}")]
-    Unsupported { adapter: String, raster: Raster, missing: String },
+    #[error("the {adapter} cannot run {method}: it lacks {missing}")]
+    Unsupported { adapter: String, method: Raster, missing: String },
     #[error("{width}x{height} pixels are more than this device can hold ({limit} pixels); choose a smaller --size")]
     TooManyPixels { width: u32, height: u32, limit: u64 },
     #[error("no memory for a picture of {width}x{height} pixels ({detail})")]

@@ -6,8 +6,10 @@ use super::shaders;
 use crate::device::RenderError;
 
 /// Features that are used where the adapter has them. None is required: without 64-bit atomics two
-/// 32-bit passes do the work, without timestamps the wall clock is read.
-const WANTED: wgpu::Features = shaders::INT64_ATOMICS.union(wgpu::Features::TIMESTAMP_QUERY);
+/// 32-bit passes do the work, without timestamps the wall clock is read, and without subgroups each
+/// thread works alone.
+const WANTED: wgpu::Features =
+    shaders::INT64_ATOMICS.union(wgpu::Features::TIMESTAMP_QUERY).union(wgpu::Features::SUBGROUP);
 
 /// Features and limits to ask of an adapter: WebGPU's defaults, but buffers as large as they come.
 pub fn descriptor(adapter: &wgpu::Adapter) -> wgpu::DeviceDescriptor<'static> {

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::settings::Settings;
 use crate::{
-    render::{BackendInfo, Camera},
+    render::{BackendInfo, Camera, Choice},
     scene::{Bounds, Grid, SceneFacts},
     source::{SourceReport, ThreadTimes},
 };
@@ -35,7 +35,10 @@ pub struct Report {
     pub brute_force: bool,
     /// "gpu" or "cpu".
     pub backend: &'static str,
-    pub rasterizer: String,
+    /// How points became pixels: a method's name as in `firstlight bench --list`, or "cpu".
+    pub method: String,
+    /// What speaks for the method: the speeds of all that were measured. Null on the CPU backend.
+    pub choice: Option<Choice>,
     pub adapter: String,
     /// "vulkan", "metal", "dx12" or "cpu".
     pub api: String,
@@ -224,7 +227,8 @@ impl Report {
             stop: settings.stop.to_string(),
             brute_force: settings.brute_force,
             backend,
-            rasterizer: info.raster.to_string(),
+            method: info.method.to_string(),
+            choice: info.choice.clone(),
             adapter: info.adapter.clone(),
             api: info.api.clone(),
             driver: info.driver.clone(),

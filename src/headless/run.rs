@@ -44,7 +44,7 @@ pub fn render(settings: &Settings) -> Result<Report, HeadlessError> {
     let slow_read = matches!(settings.stop, Stop::Frames(_) | Stop::Points(_)).then_some(Duration::MAX);
     let stream =
         source::open(&settings.inputs, OpenOptions { threads: settings.threads, slow_read, ..Default::default() });
-    let (backend, backend_name, notes) = make_backend(settings.backend, settings.raster, settings.threads)?;
+    let (backend, backend_name, notes) = make_backend(settings.backend, settings.method, settings.threads)?;
     let mut report = Report::new(settings, backend.info(), backend_name);
     report.notes = notes;
 
@@ -75,20 +75,20 @@ type AnyBackend = Box<dyn Backend>;
 /// The backend asked for, its name, and notes for the user on how it was chosen.
 ///
 /// # Errors
-/// If a GPU is asked for, by name or by one of its rasterizers, and none can do the work.
+/// If a GPU is asked for, by name or by one of its methods, and none can do the work.
 pub fn make_backend(
     backend: BackendChoice,
-    raster: RasterChoice,
+    method: RasterChoice,
     threads: Option<usize>,
 ) -> Result<(AnyBackend, &'static str, Vec<String>), RenderError> {
     let cpu = || Box::new(CpuBackend::new(threads));
     if backend == BackendChoice::Cpu {
         return Ok((cpu(), "cpu", Vec::new()));
     }
-    match GpuBackend::headless(raster) {
+    match GpuBackend::headless(method) {
         Ok(gpu) => Ok((Box::new(gpu), "gpu", Vec::new())),
-        // Whoever names one of the GPU's rasterizers wants that one.
-        Err(error) if backend == BackendChoice::Auto && raster == RasterChoice::Auto => {
+        // Whoever names one of the GPU's methods wants that one.
+        Err(error) if backend == BackendChoice::Auto && method == RasterChoice::Auto => {
             Ok((cpu(), "cpu", vec![format!("{error}; drawn on the processor")]))
         }
         Err(error) => Err(error),
@@ -231,6 +231,10 @@ impl Run<'_> {
             self.seconds.to_converged = self.seconds.to_picture;
         }
         let mut report = self.report;
+        // What was measured in the meantime.
+        let info = self.progressive.backend().info();
+        report.method = info.method.to_string();
+        report.choice.clone_from(&info.choice);
         report.files = file_entries(self.facts.as_deref(), &self.tally, self.source.as_ref());
         report.points_in_header = report.files.iter().map(|f| f.points_in_header).sum();
         report.points_decoded = report.files.iter().map(|f| f.points_decoded).sum();

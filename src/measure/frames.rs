@@ -174,6 +174,7 @@ pub fn bench_frames(
             paused_secs += pause.elapsed().as_secs_f64();
         }
         if done {
+            report.backend.clone_from(run.progressive.backend().info());
             return if points > 0 { Ok(report) } else { Err(BenchError::NoPoints) };
         }
     }
@@ -204,6 +205,8 @@ impl Run<'_> {
     }
 
     fn level(&mut self, loading: Samples, loaded_secs: f64) -> Result<Level, BenchError> {
+        // Not in a frame that is timed.
+        self.progressive.backend_mut().choose()?;
         // The same views at every level.
         self.frame = 0;
         let mut moving = Samples::default();
@@ -236,10 +239,10 @@ pub fn markdown(report: &BenchFramesReport) -> String {
         let _ = writeln!(out, "{text}");
     };
     line(format!(
-        "{} ({}), {} rasterizer, {width}x{height}, {} px points; {}",
+        "{} ({}), {}, {width}x{height}, {} px points; {}",
         report.backend.adapter,
         report.backend.api,
-        report.backend.raster,
+        report.backend.method,
         report.point_size_px,
         report.inputs.join(", ")
     ));

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use serde::Serialize;
 
-use super::{camera::View, color::FileColor};
+use super::{camera::View, choice::Choice, color::FileColor};
 use crate::{
     device::{PassTimes, Raster, RenderError},
     scene::PointBatch,
@@ -19,7 +19,9 @@ pub struct BackendInfo {
     /// "vulkan", "metal", "dx12" or "cpu".
     pub api: String,
     pub driver: String,
-    pub raster: Raster,
+    pub method: Raster,
+    /// What speaks for the method; none on the processor.
+    pub choice: Option<Choice>,
 }
 
 /// All that one frame draws, in order: clear, reproject, fresh, fill, index build, resolve.
@@ -86,6 +88,11 @@ pub trait Backend {
     /// Times of the latest frame that the device has finished, if it can tell; each is returned once.
     fn pass_times(&mut self) -> Option<PassTimes>;
 
+    /// Measures now which of its methods is the fastest, instead of between frames, if that is due.
+    fn choose(&mut self) -> Result<(), RenderError> {
+        Ok(())
+    }
+
     /// Waits until the last frame is drawn.
     fn wait(&mut self) -> Result<(), RenderError>;
 
@@ -114,6 +121,9 @@ impl<B: Backend + ?Sized> Backend for Box<B> {
     }
     fn pass_times(&mut self) -> Option<PassTimes> {
         (**self).pass_times()
+    }
+    fn choose(&mut self) -> Result<(), RenderError> {
+        (**self).choose()
     }
     fn wait(&mut self) -> Result<(), RenderError> {
         (**self).wait()

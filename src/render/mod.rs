@@ -7,6 +7,7 @@
 mod backend;
 mod budget;
 mod camera;
+mod choice;
 mod color;
 mod cpu;
 mod gpu;
@@ -17,8 +18,11 @@ pub use crate::device::{PassTimes, Raster, RenderError};
 pub use backend::{Backend, BackendInfo, FramePlan, Picture, Shading};
 pub use budget::{BudgetController, FillBudget};
 pub use camera::{Camera, CameraError, Projected, View};
+pub use choice::{
+    Candidate, Choice, Clock, GROUP_SIZES, MARGIN, Measured, Measurement, RasterChoice, Speed, Why, best,
+};
 pub use color::{FileColor, elevation_ramp};
 pub use cpu::CpuBackend;
-pub use gpu::{GpuBackend, RasterChoice, ShadingUniform};
+pub use gpu::{GpuBackend, ShadingUniform};
 pub use progressive::{FrameReport, FrameRequest, INSERTION_POINTS, Progressive, StoreOptions};
 pub use shading::EDL_GAIN;

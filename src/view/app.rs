@@ -63,7 +63,7 @@ pub struct App {
 
 impl App {
     pub fn new(ctx: &Context, state: &RenderState, options: Options) -> Result<App, RenderError> {
-        let backend = GpuBackend::on_device(&state.adapter, state.device.clone(), state.queue.clone(), options.raster)?;
+        let backend = GpuBackend::on_device(&state.adapter, state.device.clone(), state.queue.clone(), options.method)?;
         let software = state.adapter.get_info().device_type == wgpu::DeviceType::Cpu;
         ctx.set_theme(egui::Theme::Dark);
         let store = StoreOptions { seed: options.seed, ..Default::default() };
@@ -213,7 +213,7 @@ impl App {
             window_secs: self.pace.secs,
             points_tried: self.last_report.map_or(0, |report| report.points_tried),
             adapter: info.adapter.clone(),
-            raster: info.raster.to_string(),
+            choice: info.choice.clone(),
         })
     }
 
@@ -239,6 +239,22 @@ impl App {
             overlay::drop_target(ui.ctx());
         }
         asked
+    }
+
+    /// Lets the backend measure which method is the fastest, a few milliseconds a frame, while nothing
+    /// moves: neither the picture nor the hand on the mouse.
+    fn measure_at_rest(&mut self, ctx: &Context) {
+        let again = if ctx.input(|i| i.pointer.any_down()) {
+            Ok(Some(STATUS_INTERVAL))
+        } else {
+            self.progressive.backend_mut().measure_at_rest()
+        };
+        match again {
+            Ok(Some(time)) => ctx.request_repaint_after(time),
+            Ok(None) => {}
+            // The next frame's error is the one to show.
+            Err(error) => log::error!("{error}"),
+        }
     }
 
     /// Asks what the cursor is on, for the next move of the mouse.
@@ -307,6 +323,9 @@ impl eframe::App for App {
         // Nobody will see the frame after the last.
         let closing = ctx.input(|i| i.viewport().close_requested());
         let mut again = !closing && (self.advance() || flying);
+        if !closing && !again {
+            self.measure_at_rest(&ctx);
+        }
         self.paint(ui);
         self.feel(&ctx, &picture);
 

@@ -6,6 +6,7 @@ use eframe::egui::{
 };
 
 use super::format::{count, duration, percent};
+use crate::render::{Choice, Clock};
 
 /// Sizes of points that the controls offer.
 pub const POINT_SIZES: std::ops::RangeInclusive<u32> = 1..=8;
@@ -42,7 +43,8 @@ pub struct Status {
     pub window_secs: f64,
     pub points_tried: u64,
     pub adapter: String,
-    pub raster: String,
+    /// Which method draws, and the figures behind it.
+    pub choice: Option<Choice>,
 }
 
 /// What the user sets.
@@ -87,7 +89,7 @@ pub fn bar(ctx: &egui::Context, status: &Status, settings: &mut Settings) -> Opt
                     ui.with_layout(Layout::left_to_right(Align::Center), |ui| loading_line(ui, status));
                 });
                 line(ui, |ui| {
-                    ui.add(Label::new(small(&format!("{} · {}", status.adapter, status.raster)).color(DIM)).truncate());
+                    device(ui, status);
                     ui.with_layout(Layout::left_to_right(Align::Center), |ui| frame_line(ui, status));
                 });
             });
@@ -104,6 +106,50 @@ fn line(ui: &mut Ui, contents: impl FnOnce(&mut Ui)) {
 
 fn small(text: &str) -> RichText {
     RichText::new(text).font(FontId::proportional(12.5)).color(TEXT)
+}
+
+/// Who draws, with which method; why, and how fast the others are, when the mouse asks.
+fn device(ui: &mut Ui, s: &Status) {
+    let method = s.choice.as_ref().map_or(String::new(), |choice| format!(" · {}", choice.candidate));
+    let label = ui.add(Label::new(small(&format!("{}{method}", s.adapter)).color(DIM)).truncate());
+    if let Some(choice) = &s.choice {
+        label.on_hover_ui(|ui| choice_table(ui, choice));
+    }
+}
+
+fn choice_table(ui: &mut Ui, choice: &Choice) {
+    ui.label(small(&format!("{}: {}", choice.candidate, choice.reason)).strong().color(Color32::WHITE));
+    let Some(measurement) = &choice.measurement else { return };
+    let [width, height] = measurement.size_px;
+    let clock = choice.candidates.iter().find_map(|row| row.speed).map_or("", |speed| match speed.clock {
+        Clock::Device => "device timestamps",
+        Clock::Wall => "wall clock",
+    });
+    let text = format!(
+        "{} points at {width}×{height}, {} px, {} after the start, {clock}",
+        count(measurement.points.into()),
+        measurement.point_size_px,
+        duration(measurement.at_secs),
+    );
+    ui.label(small(&text).color(DIM));
+    egui::Grid::new("methods").num_columns(3).spacing(vec2(18.0, 2.0)).show(ui, |ui| {
+        for heading in ["points/s", "overview", "far"] {
+            ui.label(small(heading).color(DIM));
+        }
+        ui.end_row();
+        for row in choice.candidates.iter().filter(|row| row.speed.is_some()) {
+            let color = if row.candidate == choice.candidate { ACCENT } else { TEXT };
+            ui.label(small(&row.candidate.to_string()).color(color));
+            for rate in row.speed.iter().flat_map(|s| [s.overview_points_per_sec, s.far_points_per_sec]) {
+                ui.label(small(&count(rate as u64)).color(color));
+            }
+            ui.end_row();
+        }
+    });
+    let left_out = choice.candidates.iter().filter(|row| row.speed.is_none()).count();
+    if left_out > 0 {
+        ui.label(small(&format!("{left_out} more not measured")).color(DIM));
+    }
 }
 
 fn loading_line(ui: &mut Ui, s: &Status) {

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use firstlight::{
     render::{
         Backend, BackendInfo, Camera, CpuBackend, FillBudget, FramePlan, FrameReport, FrameRequest, PassTimes, Picture,
-        Progressive, RasterChoice, RenderError, Shading, StoreOptions,
+        Progressive, Raster, RenderError, Shading, StoreOptions,
     },
     scene::{PointBatch, SceneFacts},
     store::Insertion,
@@ -259,7 +259,7 @@ fn pixels_are_lost_without_the_look_up() {
     let mut cpu = CpuBackend::new(Some(2));
     cpu.set_relocation(false);
     let mut without: Vec<Box<dyn Backend>> = vec![Box::new(cpu)];
-    if let Some(mut gpu) = backends::gpu(RasterChoice::Compute) {
+    if let Some(mut gpu) = backends::gpu(Raster::EarlyZ) {
         gpu.store_mut().set_relocation(false);
         without.push(Box::new(gpu));
     }

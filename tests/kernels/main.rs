@@ -7,6 +7,7 @@
 )]
 
 mod backends;
+mod choice;
 mod cloud;
 mod convergence;
 mod projection;

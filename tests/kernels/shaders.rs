@@ -25,7 +25,7 @@ fn all_modules_are_valid() {
 
 #[test]
 fn validation_can_fail() {
-    let shader = &shaders::RASTER_64;
+    let shader = &shaders::EARLY_Z;
     assert!(validate(&shader.source(), Capabilities::empty()).is_err(), "64-bit atomics need a capability");
     let broken = shaders::CLEAR.source().replace("vec2<u32>(0xffffffffu)", "vec2<f32>(0.0)");
     assert!(validate(&broken, Capabilities::empty()).is_err());

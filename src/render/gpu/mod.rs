@@ -4,20 +4,25 @@ mod choose;
 mod compute;
 mod hardware;
 mod index;
+mod measure;
+mod probe;
 mod resolve;
 mod sources;
 mod targets;
 
-pub use self::{choose::RasterChoice, resolve::ShadingUniform};
+pub use self::resolve::ShadingUniform;
 use self::{
-    compute::ComputeRaster,
+    compute::{ComputeRaster, Kernels},
     hardware::HardwareRaster,
     index::IndexBuild,
+    measure::Chooser,
     resolve::Resolve,
     sources::{Source, SourceBinder, Sources},
     targets::{TargetLayouts, Targets},
 };
-use super::{Backend, BackendInfo, FramePlan, PassTimes, Picture, Raster, RenderError, View};
+use super::{
+    Backend, BackendInfo, Candidate, FramePlan, Measured, PassTimes, Picture, RasterChoice, RenderError, View,
+};
 use crate::{
     gpu::{
         device, kernel, shaders,
@@ -29,25 +34,11 @@ use crate::{
         gpu::{GpuStore, INSERTIONS_PER_FRAME},
     },
 };
+use std::time::Duration;
 
 enum Rasterizer {
     Compute(ComputeRaster),
     Hardware(HardwareRaster),
-}
-
-impl Rasterizer {
-    fn new(
-        raster: Raster,
-        device: &wgpu::Device,
-        layouts: &TargetLayouts,
-        store: &GpuStore,
-        binder: &SourceBinder,
-    ) -> Rasterizer {
-        match raster {
-            Raster::Hardware => Rasterizer::Hardware(HardwareRaster::new(device, store)),
-            _ => Rasterizer::Compute(ComputeRaster::new(device, raster, layouts, store, binder)),
-        }
-    }
 }
 
 /// Stores points and draws frames on a GPU.
@@ -62,6 +53,7 @@ pub struct GpuBackend {
     clear: wgpu::ComputePipeline,
     binder: SourceBinder,
     rasterizer: Rasterizer,
+    chooser: Chooser,
     index: IndexBuild,
     resolve: Resolve,
     timer: FrameTimer,
@@ -90,17 +82,21 @@ impl GpuBackend {
         choose::backend(adapter, device, queue, choice)
     }
 
-    /// A backend with a rasterizer that the device can run.
-    fn with_raster(
+    /// A backend that begins with a candidate that the device can run.
+    fn with_candidate(
         adapter: &wgpu::AdapterInfo,
         device: wgpu::Device,
         queue: wgpu::Queue,
-        raster: Raster,
+        candidate: Candidate,
+        choice: RasterChoice,
+        candidates: (Vec<Candidate>, Vec<Measured>),
     ) -> GpuBackend {
         let store = GpuStore::new(&device, &queue);
         let layouts = TargetLayouts::new(&device);
         let binder = SourceBinder::new(&device);
-        let rasterizer = Rasterizer::new(raster, &device, &layouts, &store, &binder);
+        let kernels = Kernels::new(&layouts, &store, &binder);
+        let mut chooser = Chooser::new(kernels, adapter.device_type, choice, candidates);
+        let rasterizer = chooser.rasterizer(&device, &store, candidate);
         let lost = std::sync::Arc::<std::sync::Mutex<Option<String>>>::default();
         let loss = lost.clone();
         device.set_device_lost_callback(move |reason, message| {
@@ -115,13 +111,15 @@ impl GpuBackend {
                 adapter: adapter.name.clone(),
                 api: adapter.backend.to_str().to_owned(),
                 driver: format!("{} {}", adapter.driver, adapter.driver_info).trim().to_owned(),
-                raster,
+                method: candidate.method,
+                choice: Some(chooser.first_choice(candidate)),
             },
             view: kernel::uniform(&device, "view", size_of::<View>() as u64),
             targets: None,
             clear: kernel::compute(&device, &shaders::CLEAR.module(&device), "clear", &[&layouts.write]),
             binder,
             rasterizer,
+            chooser,
             index: IndexBuild::new(&device, &layouts),
             resolve: Resolve::new(&device, &queue, &layouts, &store.pages),
             timer: FrameTimer::new(&device, &queue, adapter.device_type),
@@ -131,19 +129,6 @@ impl GpuBackend {
             queue,
             lost,
         }
-    }
-
-    /// Another rasterizer that the device can run; returns the one before.
-    fn set_raster(&mut self, raster: Raster) -> Rasterizer {
-        let rasterizer = Rasterizer::new(raster, &self.device, &self.layouts, &self.store, &self.binder);
-        self.put_back(raster, rasterizer)
-    }
-
-    fn put_back(&mut self, raster: Raster, rasterizer: Rasterizer) -> Rasterizer {
-        self.info.raster = raster;
-        // A rasterizer may have targets of its own, made when the size of the picture changes.
-        self.targets = None;
-        std::mem::replace(&mut self.rasterizer, rasterizer)
     }
 
     /// The picture of the last frame: one u32 per pixel (red in the lowest byte, then green, blue,
@@ -171,10 +156,12 @@ impl GpuBackend {
         }
         self.record_clear(encoder, targets);
         match &self.rasterizer {
-            Rasterizer::Compute(raster) => raster.record(encoder, &mut self.timer, targets, &self.store, sources),
+            Rasterizer::Compute(raster) => {
+                raster.record(encoder, &mut self.timer, &targets.bind_write, &self.store, sources);
+            }
             Rasterizer::Hardware(raster) => {
                 let instances = plan.view.point_size.pow(2);
-                raster.record(encoder, &mut self.timer, targets, &self.store, sources, instances);
+                raster.record(encoder, &mut self.timer, targets.size, &self.store, sources, instances);
             }
         }
         self.index.record(&self.device, encoder, &mut self.timer, targets, &self.store.lists);
@@ -204,6 +191,7 @@ impl Backend for GpuBackend {
 
     fn reset(&mut self, points: u64) {
         self.store.reset(points);
+        self.chooser.reset(points);
     }
 
     fn insertions_per_frame(&self) -> usize {
@@ -212,7 +200,9 @@ impl Backend for GpuBackend {
 
     fn insert(&mut self, insertion: &Insertion, points: &PointBatch) -> Result<(), RenderError> {
         self.check_device()?;
-        self.store.upload(insertion, points)
+        self.store.upload(insertion, points)?;
+        self.chooser.stored = insertion.old + insertion.new;
+        Ok(())
     }
 
     fn resize(&mut self, size: [u32; 2]) -> Result<(), RenderError> {
@@ -229,7 +219,7 @@ impl Backend for GpuBackend {
             .map_err(|detail| RenderError::NoMemoryForPicture { width, height, detail })?;
         self.queue.submit([encoder.finish()]);
         if let Rasterizer::Hardware(raster) = &mut self.rasterizer {
-            raster.resize(&self.device, &targets, &self.view);
+            raster.resize(&self.device, &self.view, &targets.words, size);
         }
         self.targets = Some(targets);
         Ok(())
@@ -260,13 +250,19 @@ impl Backend for GpuBackend {
         self.timer.submitted(&self.device, &self.queue, work);
         self.store.forget_fresh();
         self.targets = Some(targets);
-        self.check_device()
+        self.check_device()?;
+        self.measure_between_frames(plan.view)
     }
 
     fn pass_times(&mut self) -> Option<PassTimes> {
         // An error here is a lost device, which the next frame reports.
         let _ = self.device.poll(wgpu::PollType::Poll);
         self.timer.take()
+    }
+
+    fn choose(&mut self) -> Result<(), RenderError> {
+        while self.measure_at_rest()? == Some(Duration::ZERO) {}
+        Ok(())
     }
 
     fn wait(&mut self) -> Result<(), RenderError> {
