@@ -34,7 +34,7 @@
 //!   32 bytes. 8 bytes a point make it 119, no more. In a picture of 480×270, whose words fit the nearest cache, 193 and 245. A
 //!   plane of 16-bit depths would fit no better than a picture of half the size (118). Left as it is: 60 % of the
 //!   copy's speed was aimed at, 40 % reached.
-//! * *The eye's position subtracted once* ([`View::within`](crate::render::View::within)). Expected: nothing where memory limits, 10 %
+//! * *The eye's position subtracted once* ([`View::is_near`](crate::render::View::is_near)). Expected: nothing where memory limits, 10 %
 //!   for 8 bytes a point. Found: 231 / 211 / 276 (file's order) and 255 / 290 instead of 230 / 225 for the overview's and far view's 8
 //!   bytes, together with:
 //! * *Fields of the packed encoding known to the compiler.* Found: with nothing in the picture 514 instead of 375.

@@ -167,7 +167,9 @@ impl Runner {
     /// Makes the pipelines of a method and uploads the view.
     pub(super) fn prepare(&mut self, method: &Method, view: &View) -> Result<(), MethodError> {
         self.supports(method).map_err(MethodError::Unsupported)?;
-        self.targets.set_view(&self.gpu.queue, view, self.pages.extent)?;
+        self.targets.set_view(&self.gpu.queue, view)?;
+        let [low, high] = self.pages.extent;
+        self.pipelines.is_near = view.is_near(low, high);
         let plan = method.plan;
         if matches!(plan.resolve, Resolve::Textures) && self.targets.textures.is_none() {
             let textures = Textures::new(&self.gpu.device, &self.targets, &self.pages, &self.pipelines);

@@ -193,12 +193,8 @@ fn without_features_others_draw_and_the_table_says_why() {
             vec![Raster::Reduce, Raster::ReduceEarlyZ, Raster::Dedup],
             "subgroups",
         ),
-        (
-            wgpu::Features::SHADER_INT64_ATOMIC_ALL_OPS,
-            Raster::AtomicMin,
-            vec![Raster::EarlyZ, Raster::ReduceEarlyZ],
-            "64-bit atomics",
-        ),
+        // As on Metal; the early test loads nothing atomically.
+        (wgpu::Features::SHADER_INT64_ATOMIC_ALL_OPS, Raster::EarlyZ, vec![], "64-bit atomics"),
         (
             INT64 | wgpu::Features::SUBGROUP,
             Raster::TwoPass32,
