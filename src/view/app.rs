@@ -356,7 +356,15 @@ fn draw(
         Err(error) => {
             log::error!("{error}");
             let stored = progressive.points_stored();
-            Ok(FrameReport { drawn: false, points_stored: stored, points_tried: stored, settled: true, fill: 0 })
+            Ok(FrameReport {
+                drawn: false,
+                points_stored: stored,
+                points_tried: stored,
+                settled: true,
+                fill: 0,
+                high_quality: shading.high_quality,
+                points_averaged: stored,
+            })
         }
     }
 }

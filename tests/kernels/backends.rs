@@ -24,7 +24,7 @@ fn skipped(why: &str) {
 }
 
 /// A compute backend on a device that lacks features which the adapter may have.
-fn without(features: wgpu::Features) -> Option<GpuBackend> {
+pub fn without(features: wgpu::Features) -> Option<GpuBackend> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
     let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default())).ok()?;
     let mut descriptor = GpuBackend::device_descriptor(&adapter);

@@ -9,6 +9,7 @@
 mod backends;
 mod cloud;
 mod convergence;
+mod high_quality;
 mod projection;
 mod shaders;
 mod twins;

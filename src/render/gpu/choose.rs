@@ -88,6 +88,8 @@ fn probe(backend: &mut GpuBackend) -> Result<(f64, Option<f64>), RenderError> {
     let view = camera.view(&grid, PROBE_SIZE, 1).expect("a camera that fits a cube is valid");
     let plan = FramePlan {
         view,
+        keeps_depths: false,
+        averaging: None,
         reproject: false,
         fresh: false,
         fill: [0..PROBE_POINTS, 0..0],
