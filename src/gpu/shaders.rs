@@ -52,7 +52,18 @@ shader!(RESOLVE, NOTHING, "group", "page", "project", "points", "color", "resolv
 shader!(AVERAGE_32, NOTHING, "group", "page", "project", "points", "color", "sums_32", "average");
 shader!(AVERAGE_64, INT64_ATOMICS, "group", "page", "project", "points", "color", "sums_64", "average");
 shader!(RESOLVE_32, NOTHING, "group", "page", "project", "points", "color", "resolve", "sums_32", "resolve_average");
-shader!(RESOLVE_64, INT64_ATOMICS, "group", "page", "project", "points", "color", "resolve", "sums_64", "resolve_average");
+shader!(
+    RESOLVE_64,
+    INT64_ATOMICS,
+    "group",
+    "page",
+    "project",
+    "points",
+    "color",
+    "resolve",
+    "sums_64",
+    "resolve_average"
+);
 shader!(LIGHT, NOTHING, "group", "project", "light");
 
 /// All modules, for the tests.

@@ -62,6 +62,11 @@ impl FrameReport {
     /// The picture equals that of all points stored.
     pub fn is_converged(&self) -> bool {
         let is_averaged = !self.high_quality || self.points_averaged == self.points_stored;
-        self.settled && self.points_tried == self.points_stored && is_averaged
+        self.has_all_depths() && is_averaged
+    }
+
+    /// The nearest point of each pixel is that of all points stored.
+    pub fn has_all_depths(&self) -> bool {
+        self.settled && self.points_tried == self.points_stored
     }
 }

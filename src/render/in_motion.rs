@@ -44,8 +44,7 @@ impl InMotion {
         };
         self.votes = if speaks_for_change { self.votes + 1 } else { 0 };
         if self.votes >= needed {
-            *self =
-                InMotion { is_dropped: !self.is_dropped, votes: 0, dropped_at_secs: fixed_secs, ratio: None };
+            *self = InMotion { is_dropped: !self.is_dropped, votes: 0, dropped_at_secs: fixed_secs, ratio: None };
         }
     }
 }

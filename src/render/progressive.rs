@@ -203,8 +203,7 @@ impl<B: Backend> Progressive<B> {
         if has_all && self.last_shading == Some(request.shading) {
             return Ok(self.report(request, false, 0));
         }
-        let plan =
-            if has_all_depths && is_high { self.plan_averages(request) } else { self.plan_depths(request) };
+        let plan = if has_all_depths && is_high { self.plan_averages(request) } else { self.plan_depths(request) };
         self.draw(&plan)?;
         Ok(self.report(request, true, plan.fill_points()))
     }

@@ -94,6 +94,22 @@ fn a_scan_appears_while_it_loads_and_the_mouse_moves_the_camera() {
     viewer.key("h");
     viewer.wait_for("the first picture again", PATIENCE, |v| (v.shot().difference(&complete) == 0).then_some(()));
 
+    // High quality: other colours, the same after the camera was elsewhere; without it, those from before.
+    let rests = viewer.count("at rest");
+    viewer.key("b");
+    viewer.wait_for_more("at rest", rests, PATIENCE);
+    let averaged = viewer.shot_at_rest();
+    averaged.save("8-high-quality");
+    assert!(averaged.difference(&complete) > SOME, "averages look like front points");
+    let rests = viewer.count("at rest");
+    viewer.xdotool("mousemove 400 400 click 4 click 4");
+    viewer.wait_for_more("at rest", rests, PATIENCE);
+    viewer.shot_at_rest().save("9-high-quality-zoomed");
+    viewer.key("h");
+    viewer.wait_for("the averages again", PATIENCE, |v| (v.shot().difference(&averaged) == 0).then_some(()));
+    viewer.key("b");
+    viewer.wait_for("the front points again", PATIENCE, |v| (v.shot().difference(&complete) == 0).then_some(()));
+
     // Too small for any words, or for anything at all; then back.
     for size in ["60 30", "1 1", "1280 800"] {
         viewer.xdotool(&format!("search --onlyvisible --name firstlight windowsize --sync {size}"));

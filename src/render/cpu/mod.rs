@@ -124,7 +124,8 @@ impl CpuBackend {
     fn add_span(&self, plan: &FramePlan, averaging: &Averaging) {
         for span in &averaging.slots {
             map_parts(self.threads, span.len(), POINTS_PER_THREAD, |part| {
-                (span.start + part.start as u32..span.start + part.end as u32).for_each(|slot| self.add_slot(plan, slot));
+                (span.start + part.start as u32..span.start + part.end as u32)
+                    .for_each(|slot| self.add_slot(plan, slot));
             });
         }
     }

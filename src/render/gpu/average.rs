@@ -72,8 +72,7 @@ impl Average {
             Sums::Hqs => (shaders::AVERAGE_32, shaders::RESOLVE_32),
         };
         let (average, resolve) = (average.module(device), resolve.module(device));
-        let layout =
-            kernel::layout(device, "sums", wgpu::ShaderStages::COMPUTE, &[Uniform, Read, ReadWrite, Uniform]);
+        let layout = kernel::layout(device, "sums", wgpu::ShaderStages::COMPUTE, &[Uniform, Read, ReadWrite, Uniform]);
         let binder = SourceBinder::new(device);
         let adding = |entry| {
             let groups = [&layout, &pages.layout_resolve, &binder.layout, &tables.layout];

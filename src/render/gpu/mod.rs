@@ -10,7 +10,6 @@ mod resolve;
 mod sources;
 mod targets;
 
-pub use self::{choose::RasterChoice, resolve::ShadingUniform};
 use self::{
     average::Average,
     compute::ComputeRaster,
@@ -20,6 +19,7 @@ use self::{
     sources::{Source, SourceBinder, Sources},
     targets::{TargetLayouts, Targets},
 };
+pub use self::{choose::RasterChoice, resolve::ShadingUniform};
 use super::{Averaging, Backend, BackendInfo, FramePlan, PassTimes, Picture, Raster, RenderError, Sums, View};
 use crate::{
     gpu::{
