@@ -1,14 +1,14 @@
 //! High-quality shading: every backend's sums against the definition, progressive averages against those
-//! of all points at once, and what a slow device does.
+//! of all points at once.
 
-use std::ops::Range;
+use std::sync::Arc;
 
 use firstlight::{
     render::{
-        AVERAGED_DEPTH, Backend, BackendInfo, Camera, CpuBackend, FillBudget, FramePlan, FrameRequest, GpuBackend,
-        PassTimes, Passes, Picture, RasterChoice, RenderError, Sums, View,
+        AVERAGED_DEPTH, Averaging, Backend, BackendInfo, Camera, CpuBackend, FileColor, FillBudget, FramePlan,
+        FrameRequest, GpuBackend, PassTimes, Picture, Progressive, RasterChoice, RenderError, Shading, Sums, View,
     },
-    scene::PointBatch,
+    scene::{ColorRule, PointBatch},
     store::Insertion,
 };
 
@@ -18,7 +18,7 @@ use crate::{
     convergence::{Session, covered, difference, options, request},
 };
 
-fn high(mut request: FrameRequest) -> FrameRequest {
+pub fn high(mut request: FrameRequest) -> FrameRequest {
     request.shading.high_quality = true;
     request
 }
@@ -68,14 +68,14 @@ fn unlike(picture: &Picture, sums: &[[u64; 4]], background: [u8; 3]) -> usize {
 
 /// A backend whose sums can be read.
 enum Summing {
-    Cpu(CpuBackend),
+    Cpu(Box<CpuBackend>),
     Gpu(Box<GpuBackend>),
 }
 
 impl Summing {
     fn backend(&mut self) -> &mut dyn Backend {
         match self {
-            Summing::Cpu(cpu) => cpu,
+            Summing::Cpu(cpu) => &mut **cpu,
             Summing::Gpu(gpu) => &mut **gpu,
         }
     }
@@ -90,8 +90,8 @@ impl Summing {
 
 fn summing(page_points: Option<u32>) -> Vec<(String, Summing)> {
     let mut all = vec![
-        ("cpu, 1 thread".to_owned(), Summing::Cpu(CpuBackend::new(Some(1)))),
-        ("cpu, 3 threads".to_owned(), Summing::Cpu(CpuBackend::new(Some(3)))),
+        ("cpu, 1 thread".to_owned(), Summing::Cpu(Box::new(CpuBackend::new(Some(1))))),
+        ("cpu, 3 threads".to_owned(), Summing::Cpu(Box::new(CpuBackend::new(Some(3))))),
     ];
     let mut add = |name: &str, gpu: Option<GpuBackend>| {
         if let Some(mut gpu) = gpu {
@@ -119,8 +119,8 @@ fn draw_all(backend: &mut Summing, cloud: &Cloud, view: View) -> (Vec<[u64; 4]>,
         fresh: false,
         fill: [0..count, 0..0],
         shading: request.shading,
-        files: vec![firstlight::render::FileColor::new(0, firstlight::scene::ColorRule::Rgb16)],
-        averaging: Some(firstlight::render::Averaging { begins: true, lists: false, slots: [0..count, 0..0] }),
+        files: vec![FileColor::new(0, ColorRule::Rgb16)],
+        averaging: Some(Averaging { begins: true, lists: false, slots: [0..count, 0..0] }),
     };
     target.draw(&plan).unwrap();
     let picture = target.read().unwrap();
@@ -152,7 +152,7 @@ fn sums_equal_the_definition() {
                     let expected = definition(&cloud, &view, AVERAGED_DEPTH);
                     let case = format!("{name}, pages {page_points:?}, {count} points of {point_size} pixels");
                     assert!(sums == expected, "{case}");
-                    let background = firstlight::render::Shading::default().background;
+                    let background = Shading::default().background;
                     assert_eq!(unlike(&picture, &expected, background), 0, "{case}");
                     let wrong = definition(&cloud, &view, 1.02);
                     differ_with_another_window += unlike(&picture, &wrong, background);
@@ -303,10 +303,11 @@ fn the_error_falls_to_zero() {
     let away = |a: usize| fit.target[a] + 4.0 * (fit.eye[a] - fit.target[a]);
     let camera = Camera { eye: std::array::from_fn(away), ..fit };
     for mut session in Session::all(&cloud, options(65_536)) {
+        let near = unlit(high(request(&cloud, &fit, 1, 7500)));
         let request = unlit(high(request(&cloud, &camera, 1, 7500)));
         session.offer(&cloud, 0..cloud.len(), 65_536);
         session.progressive.end_of_input();
-        session.converge(&unlit(high(crate::convergence::request(&cloud, &fit, 1, 7500))), |_| ());
+        session.converge(&near, |_| ());
         let mut pictures = Vec::new();
         loop {
             let report = session.frame(&request);
@@ -341,8 +342,8 @@ fn frames_in_motion_equal_their_twin() {
     let cloud = Cloud::town(30_000);
     let mut twin: Vec<(Vec<[u64; 4]>, Vec<i64>)> = Vec::new();
     for (name, backend) in summing(Some(4097)) {
-        let mut progressive = firstlight::render::Progressive::new(backend, options(2000));
-        progressive.open(std::sync::Arc::new(cloud.facts.clone()));
+        let mut progressive = Progressive::new(backend, options(2000));
+        progressive.open(Arc::new(cloud.facts.clone()));
         for step in 0..12 {
             if step < 6 {
                 progressive.offer(cloud.batch(step * 5000..(step + 1) * 5000));
@@ -411,87 +412,4 @@ impl Backend for Summing {
     fn read(&mut self) -> Result<Picture, RenderError> {
         self.backend().read()
     }
-}
-
-/// A processor that says it takes so many seconds to resolve, and twice that with sums.
-struct Slow {
-    cpu: CpuBackend,
-    secs: f64,
-    passes: Vec<Passes>,
-}
-
-impl Backend for Slow {
-    fn info(&self) -> &BackendInfo {
-        self.cpu.info()
-    }
-    fn sums(&self) -> Sums {
-        self.cpu.sums()
-    }
-    fn reset(&mut self, points: u64) {
-        self.cpu.reset(points);
-    }
-    fn insertions_per_frame(&self) -> usize {
-        self.cpu.insertions_per_frame()
-    }
-    fn resize(&mut self, size: [u32; 2]) -> Result<(), RenderError> {
-        self.cpu.resize(size)
-    }
-    fn insert(&mut self, insertion: &Insertion, points: &PointBatch) -> Result<(), RenderError> {
-        self.cpu.insert(insertion, points)
-    }
-    fn draw(&mut self, plan: &FramePlan) -> Result<(), RenderError> {
-        self.passes.push(plan.passes());
-        self.cpu.draw(plan)
-    }
-    fn pass_times(&mut self) -> Option<PassTimes> {
-        let PassTimes { fill_points, average_points, insertions, passes, .. } = self.cpu.pass_times()?;
-        let average = if passes == Passes::DepthsAndSums { self.secs } else { 0.0 };
-        let [fill, average_fill] = [fill_points, average_points].map(|points| f64::from(points) * 1e-7);
-        let resolve = self.secs;
-        let sums = (average, average_fill, average_points);
-        let times = PassTimes { fill, resolve, fill_points, insertions, passes, ..Default::default() };
-        Some(PassTimes { average: sums.0, average_fill: sums.1, average_points: sums.2, ..times })
-    }
-    fn wait(&mut self) -> Result<(), RenderError> {
-        self.cpu.wait()
-    }
-    fn read(&mut self) -> Result<Picture, RenderError> {
-        self.cpu.read()
-    }
-}
-
-#[test]
-fn a_slow_device_averages_at_rest_and_comes_to_the_same() {
-    let cloud = Cloud::town(200_000);
-    let target = FillBudget::Target(0.016);
-    let mut pictures = Vec::new();
-    for (secs, passes_in_motion) in [(0.002, Passes::DepthsAndSums), (0.012, Passes::Depths)] {
-        let backend = Slow { cpu: CpuBackend::new(Some(2)), secs, passes: Vec::new() };
-        let mut progressive = firstlight::render::Progressive::new(backend, options(65_536));
-        progressive.open(std::sync::Arc::new(cloud.facts.clone()));
-        progressive.offer(cloud.batch(0..cloud.len()));
-        progressive.end_of_input();
-        let at = |step: usize| {
-            let camera = cloud.camera();
-            let eye = [camera.eye[0] + step as f64 * 0.1, camera.eye[1], camera.eye[2]];
-            FrameRequest { fill: target, ..high(request(&cloud, &Camera { eye, ..camera }, 1, 0)) }
-        };
-        for step in 0..60 {
-            progressive.frame(&at(step)).unwrap();
-        }
-        let passes = &progressive.backend().passes;
-        let settled: Range<usize> = 10..passes.len();
-        assert!(passes[settled].iter().all(|&passes| passes == passes_in_motion), "{secs} s: {passes:?}");
-        assert_eq!(progressive.averages_in_motion(target), passes_in_motion == Passes::DepthsAndSums);
-        let mut frames = 0;
-        while !progressive.frame(&at(60)).unwrap().is_converged() {
-            frames += 1;
-            assert!(frames < 1000);
-        }
-        let picture = progressive.read().unwrap();
-        progressive.brute_force(&at(60)).unwrap();
-        assert_eq!(difference(&progressive.read().unwrap(), &picture), None, "{secs} s");
-        pictures.push(picture);
-    }
-    assert_eq!(difference(&pictures[0], &pictures[1]), None);
 }

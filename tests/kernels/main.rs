@@ -12,6 +12,7 @@ mod convergence;
 mod high_quality;
 mod projection;
 mod shaders;
+mod slow;
 mod twins;
 #[path = "../shared/wgsl.rs"]
 mod wgsl;

@@ -63,13 +63,13 @@ mod tests {
         add(&sums, [1, 2, 255]);
         assert_eq!(unpacked(&sums), [1, 2, 255, 1]);
         let nearly = MOST_FRAGMENTS - 1;
-        let sums = [nearly * 255 * ((1 << 32) + 1), nearly << 32 | nearly * 255].map(AtomicU64::new);
+        let sums = [nearly * 255 * ((1 << 32) + 1), (nearly << 32) | (nearly * 255)].map(AtomicU64::new);
         for _ in 0..3 {
             add(&sums, [255; 3]);
         }
         let full = MOST_FRAGMENTS * 255;
         assert_eq!(unpacked(&sums), [full, full, full, MOST_FRAGMENTS]);
         // A million threads that all looked before it was full.
-        assert!((MOST_FRAGMENTS + 1_000_000) * 255 < 1 << 32);
+        const { assert!((MOST_FRAGMENTS + 1_000_000) * 255 < 1 << 32) };
     }
 }
