@@ -63,6 +63,19 @@ impl Serialize for Raster {
     }
 }
 
+/// Which passes over the points a frame makes. Each kind has its own costs.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Passes {
+    /// Depths alone.
+    #[default]
+    Depths,
+    /// Depths, then the sums of high-quality shading.
+    DepthsAndSums,
+    /// Sums alone; the depths stay those of the frame before.
+    Sums,
+}
+
 /// Seconds that the passes of one frame took on the device.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct PassTimes {
@@ -72,17 +85,25 @@ pub struct PassTimes {
     pub fill: f64,
     pub index: f64,
     pub resolve: f64,
+    /// High-quality shading: colours of the points that were visible or are fresh.
+    pub average: f64,
+    /// The same of `average_points` others.
+    pub average_fill: f64,
     /// The whole frame, where the device cannot tell its passes apart; the others are zero then.
     pub undivided: f64,
     /// Points that `fill` drew.
     pub fill_points: u32,
     /// Insertions of the frame.
     pub insertions: u32,
+    /// Points that `average_fill` drew.
+    pub average_points: u32,
+    pub passes: Passes,
 }
 
 impl PassTimes {
     pub fn total(&self) -> f64 {
-        self.insert + self.reproject + self.fresh + self.fill + self.index + self.resolve + self.undivided
+        let depths = self.insert + self.reproject + self.fresh + self.fill + self.index;
+        depths + self.average + self.average_fill + self.resolve + self.undivided
     }
 }
 

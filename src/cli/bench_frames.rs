@@ -51,6 +51,9 @@ pub struct BenchFramesArgs {
     /// size; auto measures which is the fastest
     #[arg(long, value_name = "auto|NAME", default_value = "auto", value_parser = values::parse_method)]
     method: RasterChoice,
+    /// High-quality shading
+    #[arg(long)]
+    hq: bool,
     /// Where to draw; auto takes a GPU if there is one
     #[arg(long, value_enum, default_value_t)]
     backend: BackendArg,
@@ -84,6 +87,7 @@ pub fn run(args: BenchFramesArgs, started: Instant) -> Result<ExitStatus, CliErr
         fill: args.fill.map_or(FillBudget::Target(args.target_ms * 1e-3), FillBudget::Fixed),
         at: args.at,
         frames: args.frames,
+        high_quality: args.hq,
     };
     let report = bench_frames(&settings, feed, backend, decoded, started)?;
     // If nobody reads the table, the report is still written.

@@ -67,6 +67,9 @@ pub struct RenderArgs {
     /// Strength of eye-dome lighting; 0 turns it off
     #[arg(long, value_name = "STRENGTH", default_value_t = Shading::default().edl_strength, value_parser = values::parse_strength, allow_negative_numbers = true)]
     edl: f32,
+    /// High-quality shading: each pixel shows the mean colour of all points within 1 % behind its nearest
+    #[arg(long)]
+    hq: bool,
     /// Decoder threads; by default one per core, less one
     #[arg(long, value_name = "N", value_parser = values::parse_threads)]
     threads: Option<usize>,
@@ -185,7 +188,7 @@ impl RenderArgs {
             method: self.method,
             fill: self.fill,
             point_size: self.point_size,
-            shading: Shading { edl_strength: self.edl, ..Default::default() },
+            shading: Shading { edl_strength: self.edl, high_quality: self.hq, ..Default::default() },
             seed: self.seed,
             insertion_points: self.insertion_points,
             stop: self.stop,

@@ -115,12 +115,27 @@ shader!(DEPTH_32, NOTHING, "group", "page", "project", "points", "early", "plot_
 shader!(SLOT_32, NOTHING, "group", "page", "project", "points", "early", "plot_slot_32", "raster", "span");
 shader!(HARDWARE, NOTHING, "page", "project", "points", "hardware");
 shader!(INDEX, NOTHING, "group", "project", "index");
-shader!(RESOLVE, NOTHING, "group", "page", "project", "points", "resolve");
+shader!(RESOLVE, NOTHING, "group", "page", "project", "points", "color", "resolve");
+shader!(AVERAGE_32, NOTHING, "group", "page", "project", "points", "color", "sums_32", "average");
+shader!(AVERAGE_64, INT64_ATOMICS, "group", "page", "project", "points", "color", "sums_64", "average");
+shader!(RESOLVE_32, NOTHING, "group", "page", "project", "points", "color", "resolve", "sums_32", "resolve_average");
+shader!(
+    RESOLVE_64,
+    INT64_ATOMICS,
+    "group",
+    "page",
+    "project",
+    "points",
+    "color",
+    "resolve",
+    "sums_64",
+    "resolve_average"
+);
 shader!(LIGHT, NOTHING, "group", "project", "light");
 shader!(COPY, NOTHING, "group", "methods/copy");
 
 /// All modules, for the tests.
-pub const ALL: [&Shader; 16] = [
+pub const ALL: [&Shader; 20] = [
     &INSERT,
     &MOVE,
     &RELOCATE,
@@ -135,6 +150,10 @@ pub const ALL: [&Shader; 16] = [
     &HARDWARE,
     &INDEX,
     &RESOLVE,
+    &AVERAGE_32,
+    &AVERAGE_64,
+    &RESOLVE_32,
+    &RESOLVE_64,
     &LIGHT,
     &COPY,
 ];

@@ -56,6 +56,10 @@ pub struct Report {
     pub size_px: [u32; 2],
     pub point_size_px: u32,
     pub edl_strength: f32,
+    /// How colours were summed up for high-quality shading, "hqs1r" or "hqs"; null without it.
+    pub high_quality: Option<String>,
+    /// Points whose colours the averages of high-quality shading hold.
+    pub points_averaged: u64,
     /// `world = origin + scale * i`; what all positions lie on.
     pub grid: Option<Grid>,
     /// Union of the headers' boxes, in the file's own coordinates.
@@ -240,6 +244,8 @@ impl Report {
             size_px: settings.size,
             point_size_px: settings.point_size,
             edl_strength: settings.shading.edl_strength,
+            high_quality: None,
+            points_averaged: 0,
             grid: None,
             bounds: None,
             seconds: Seconds::default(),

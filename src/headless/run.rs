@@ -56,6 +56,7 @@ pub fn render(settings: &Settings) -> Result<Report, HeadlessError> {
         tally: Tally::default(),
         source: None,
         out_of_memory: false,
+        depths_are_final: false,
         progress: Progress::new(settings.progress),
         seconds: Seconds::default(),
         report,
@@ -105,6 +106,8 @@ struct Run<'a> {
     /// Known once all is read.
     source: Option<SourceReport>,
     out_of_memory: bool,
+    /// Only averages are missing, if they were asked for.
+    depths_are_final: bool,
     progress: Progress,
     seconds: Seconds,
     report: Report,
@@ -121,6 +124,8 @@ impl Run<'_> {
         loop {
             self.take_events(&stream)?;
             let Some(request) = self.request else { continue };
+            let final_request = request;
+            let request = self.without_early_averages(request);
             let frame = match self.progressive.frame(&request) {
                 Err(error @ RenderError::OutOfMemory { .. }) if !self.out_of_memory => {
                     self.out_of_memory = true;
@@ -132,9 +137,18 @@ impl Run<'_> {
             self.progressive.spent().for_each(|batch| stream.recycle(batch));
             self.note_frame(&frame)?;
             if self.is_done(&frame) {
-                return if self.settings.brute_force { self.draw_brute_force(&request) } else { Ok(frame) };
+                return if self.settings.brute_force { self.draw_brute_force(&final_request) } else { Ok(frame) };
             }
+            self.depths_are_final = self.progressive.is_loaded() && frame.has_all_depths();
         }
+    }
+
+    /// Nobody sees the frames before the last, so that averages wait until they can stay: unless the run
+    /// stops at a given frame, which is to be what a viewer shows.
+    fn without_early_averages(&self, mut request: FrameRequest) -> FrameRequest {
+        let counts_frames = matches!(self.settings.stop, Stop::Frames(_));
+        request.shading.high_quality &= counts_frames || self.depths_are_final;
+        request
     }
 
     /// Waits for as many points as the next frame can take, so that every run draws the same frames,
@@ -215,7 +229,7 @@ impl Run<'_> {
         match self.settings.stop {
             _ if self.settings.brute_force => loaded,
             Stop::Frames(frames) if self.report.frames >= frames => true,
-            _ => loaded && frame.is_converged(),
+            _ => loaded && frame.is_converged() && frame.high_quality == self.settings.shading.high_quality,
         }
     }
 
@@ -255,6 +269,10 @@ impl Run<'_> {
         if let Some(source) = &self.source {
             report.reader_memory_bound_bytes = Some(source.memory_bound_bytes);
             report.reader_threads.clone_from(&source.threads);
+        }
+        if last.high_quality {
+            report.high_quality = Some(self.progressive.backend().sums().to_string());
+            report.points_averaged = last.points_averaged;
         }
         report.picture_sha256 = picture_sha256(picture);
         report

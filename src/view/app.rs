@@ -19,7 +19,7 @@ use super::{
     loading::{Drained, End, First, Loading},
     messages::{Messages, Severity},
     navigation::Navigation,
-    overlay::{self, Ask, Settings, Status},
+    overlay::{self, Ask, Averages, Settings, Status},
     probe::Probe,
 };
 use crate::{
@@ -78,7 +78,7 @@ impl App {
             navigation: None,
             hand: Hand::default(),
             probe: Probe::new(&state.device, &state.queue),
-            settings: Settings { point_size, edl: true, overlay: true, help: false },
+            settings: Settings { point_size, edl: true, high_quality: false, overlay: true, help: false },
             messages: Messages::default(),
             size: [0, 0],
             undrawable: None,
@@ -212,9 +212,19 @@ impl App {
             device_secs: self.progressive.last_pass_times().map(|times| times.total()),
             window_secs: self.pace.secs,
             points_tried: self.last_report.map_or(0, |report| report.points_tried),
+            averages: self.averages(),
             adapter: info.adapter.clone(),
             choice: info.choice.clone(),
         })
+    }
+
+    fn averages(&self) -> Averages {
+        let points = self.last_report.map_or(0, |report| report.points_averaged);
+        match (self.settings.high_quality, self.progressive.averages_in_motion(self.fill_budget())) {
+            (false, _) => Averages::Off,
+            (true, true) => Averages::On(points),
+            (true, false) => Averages::AtRest(points),
+        }
     }
 
     fn show_overlay(&mut self, ui: &Ui) -> Option<Ask> {
@@ -365,7 +375,7 @@ fn draw(
     settings: &Settings,
     fill: FillBudget,
 ) -> Result<FrameReport, RenderError> {
-    let mut shading = Shading::default();
+    let mut shading = Shading { high_quality: settings.high_quality, ..Default::default() };
     if !settings.edl {
         shading.edl_strength = 0.0;
     }
@@ -375,7 +385,15 @@ fn draw(
         Err(error) => {
             log::error!("{error}");
             let stored = progressive.points_stored();
-            Ok(FrameReport { drawn: false, points_stored: stored, points_tried: stored, settled: true, fill: 0 })
+            Ok(FrameReport {
+                drawn: false,
+                points_stored: stored,
+                points_tried: stored,
+                settled: true,
+                fill: 0,
+                high_quality: shading.high_quality,
+                points_averaged: stored,
+            })
         }
     }
 }

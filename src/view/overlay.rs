@@ -42,9 +42,21 @@ pub struct Status {
     /// From window frame to window frame, while they follow each other.
     pub window_secs: f64,
     pub points_tried: u64,
+    pub averages: Averages,
     pub adapter: String,
     /// Which method draws, and the figures behind it.
     pub choice: Option<Choice>,
+}
+
+/// How high-quality shading stands.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Averages {
+    #[default]
+    Off,
+    /// In every frame; so many points are in the averages that stay.
+    On(u64),
+    /// Only while nothing moves or loads: frames would take too long.
+    AtRest(u64),
 }
 
 /// What the user sets.
@@ -52,6 +64,7 @@ pub struct Status {
 pub struct Settings {
     pub point_size: u32,
     pub edl: bool,
+    pub high_quality: bool,
     pub overlay: bool,
     pub help: bool,
 }
@@ -167,8 +180,14 @@ fn loading_line(ui: &mut Ui, s: &Status) {
 fn frame_line(ui: &mut Ui, s: &Status) {
     let fixed = if s.fill_is_fixed { " (fixed)" } else { "" };
     let device = s.device_secs.map_or("–".to_owned(), duration);
+    let averages = match s.averages {
+        Averages::Off => String::new(),
+        Averages::On(points) => format!(" · HQ {}", percent(points, s.points_stored)),
+        Averages::AtRest(0) => " · HQ at rest".to_owned(),
+        Averages::AtRest(points) => format!(" · HQ at rest {}", percent(points, s.points_stored)),
+    };
     let text = format!(
-        "{} of the points tried · fill {} per frame{fixed} · device {device} · window {}",
+        "{} of the points tried{averages} · fill {} per frame{fixed} · device {device} · window {}",
         percent(s.points_tried, s.points_stored),
         count(s.fill.into()),
         duration(s.window_secs),
@@ -208,6 +227,8 @@ fn controls(ui: &mut Ui, settings: &mut Settings) -> Option<Ask> {
             asked = Some(ask);
         }
     }
+    ui.checkbox(&mut settings.high_quality, small("HQ"))
+        .on_hover_text("High quality: mean colour of all points within 1 % of the nearest (B)");
     ui.checkbox(&mut settings.edl, small("shading")).on_hover_text("Eye-dome lighting (L)");
     ui.spacing_mut().slider_width = 64.0;
     ui.add(Slider::new(&mut settings.point_size, POINT_SIZES).suffix(" px")).on_hover_text("Size of points ([ and ])");
@@ -241,7 +262,7 @@ pub fn drop_target(ctx: &egui::Context) {
 
 /// Keys and mouse.
 pub fn help(ctx: &egui::Context, settings: &mut Settings) {
-    const ROWS: [(&str, &str); 14] = [
+    const ROWS: [(&str, &str); 15] = [
         ("Left drag", "orbit"),
         ("Right or middle drag, Shift + left", "pan: the grabbed point follows"),
         ("Wheel, pinch", "zoom to the cursor"),
@@ -253,6 +274,7 @@ pub fn help(ctx: &egui::Context, settings: &mut Settings) {
         ("7, 1, 3", "from above, from the south, from the east"),
         ("[ ]  or  - =", "point size"),
         ("L", "eye-dome lighting on or off"),
+        ("B", "high quality (blends near points) on or off"),
         ("O", "this bar on or off"),
         ("F1, ?", "this help"),
         ("Drop files or folders", "open them instead"),

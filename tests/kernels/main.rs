@@ -10,8 +10,10 @@ mod backends;
 mod choice;
 mod cloud;
 mod convergence;
+mod high_quality;
 mod projection;
 mod shaders;
+mod slow;
 mod twins;
 #[path = "../shared/wgsl.rs"]
 mod wgsl;

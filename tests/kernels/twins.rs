@@ -104,6 +104,8 @@ fn insertion_equals_its_twin() {
             backend.insert(&insertion, &batch).unwrap();
             let plan = FramePlan {
                 view,
+                keeps_depths: false,
+                averaging: None,
                 reproject: true,
                 fresh: true,
                 fill: [0..0, 0..0],

@@ -55,6 +55,40 @@ fn progressive_is_brute_force() {
 }
 
 #[test]
+fn high_quality_is_brute_force() {
+    // Of three files, each coloured by another rule.
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("sample_data");
+    let folder = folder.to_str().unwrap();
+    let bench = Bench::new();
+    let mut pictures = Vec::new();
+    for way in ways_to_draw() {
+        for point_size in [1, 2] {
+            let args = format!("{folder} {way} --size 480x360 --point-size {point_size}");
+            let averaged = assert_exact(&bench, folder, way, &format!("--size 480x360 --point-size {point_size} --hq"));
+            assert_eq!(averaged.report["points_averaged"], averaged.report["points_stored"]);
+            let sums = averaged.report["high_quality"].as_str().unwrap();
+            assert!(sums == "hqs" || (sums == "hqs1r" && way != "--backend cpu"), "{way}: {sums}");
+            let brute_force = bench.render(&format!("{args} --hq --brute-force"));
+            assert!(averaged.png == brute_force.png, "{args}: other colours");
+            let few = bench.render(&format!("{args} --hq --fill 30k --insertion-points 20k"));
+            assert!(averaged.png == few.png, "{args}: other colours with many frames");
+            let plain = bench.render(&args);
+            assert!(plain.report["high_quality"].is_null());
+            assert!(plain.png != averaged.png && plain.ids == averaged.ids, "{args}");
+            let moving = bench.render(&format!("{args} --hq --stop frames=2 --fill 30k"));
+            assert!(moving.report["high_quality"].is_string() && moving.report["converged"] == false);
+            pictures.push((point_size, averaged.rgb()));
+        }
+    }
+    for (size, picture) in &pictures {
+        let (_, first) = pictures.iter().find(|(other, _)| other == size).unwrap();
+        let unlike = picture.iter().zip(first).filter(|(a, b)| a != b).count();
+        // Rounding may decide which pixel a point belongs to where a device fuses operations.
+        assert!(unlike * 200 <= picture.len(), "{unlike} of {} pixels unlike the processor's", picture.len());
+    }
+}
+
+#[test]
 fn progressive_is_brute_force_on_samples() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("sample_data");
     if !folder.is_dir() {

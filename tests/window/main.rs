@@ -97,6 +97,22 @@ fn a_scan_appears_while_it_loads_and_the_mouse_moves_the_camera() {
     viewer.key("h");
     viewer.wait_for("the first picture again", PATIENCE, |v| (v.shot().difference(&complete) == 0).then_some(()));
 
+    // High quality: other colours, the same after the camera was elsewhere; without it, those from before.
+    let rests = viewer.count("at rest");
+    viewer.key("b");
+    viewer.wait_for_more("at rest", rests, PATIENCE);
+    let averaged = viewer.shot_at_rest();
+    averaged.save("8-high-quality");
+    assert!(averaged.difference(&complete) > SOME, "averages look like front points");
+    let rests = viewer.count("at rest");
+    viewer.xdotool("mousemove 400 400 click 4 click 4");
+    viewer.wait_for_more("at rest", rests, PATIENCE);
+    viewer.shot_at_rest().save("9-high-quality-zoomed");
+    viewer.key("h");
+    viewer.wait_for("the averages again", PATIENCE, |v| (v.shot().difference(&averaged) == 0).then_some(()));
+    viewer.key("b");
+    viewer.wait_for("the front points again", PATIENCE, |v| (v.shot().difference(&complete) == 0).then_some(()));
+
     // A picture of another size is measured for as well, once it stays.
     viewer.xdotool("search --onlyvisible --name firstlight windowsize --sync 1000 700");
     viewer.wait_for_line("measured for 1000x700", PATIENCE);

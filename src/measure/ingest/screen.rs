@@ -15,7 +15,7 @@ use crate::{
     measure::stats::quantile,
     render::{
         Backend, BackendInfo, Camera, FillBudget, FramePlan, FrameReport, FrameRequest, INSERTION_POINTS, Picture,
-        Progressive, RasterChoice, Shading, StoreOptions,
+        Progressive, RasterChoice, Shading, StoreOptions, Sums,
     },
     scene::{PointBatch, SceneFacts},
     source::{self, Event, SourceError},
@@ -309,6 +309,9 @@ impl Timed {
 impl Backend for Timed {
     fn info(&self) -> &BackendInfo {
         self.inner.info()
+    }
+    fn sums(&self) -> Sums {
+        self.inner.sums()
     }
     fn reset(&mut self, points: u64) {
         self.inner.reset(points);

@@ -19,10 +19,9 @@ pub fn missing(method: Raster, features: wgpu::Features, draws: Option<&'static 
 }
 
 /// The fastest method on most devices, of those that a device with these features can run: early-z, or
-/// without 64-bit loads atomic-min, or without 64-bit atomics two-pass-32.
+/// without 64-bit atomics two-pass-32.
 pub fn default_method(features: wgpu::Features) -> Raster {
-    let order = [Raster::EarlyZ, Raster::AtomicMin];
-    order.into_iter().find(|&method| missing(method, features, None).is_none()).unwrap_or(Raster::TwoPass32)
+    if missing(Raster::EarlyZ, features, None).is_none() { Raster::EarlyZ } else { Raster::TwoPass32 }
 }
 
 /// A backend with the rasterizer that `choice` asks for.
@@ -74,14 +73,14 @@ mod tests {
             assert_eq!(missing(method, all, None), None, "{method}");
         }
         let lacks = |method, features| missing(method, features, None).unwrap_or_default();
-        assert_eq!(lacks(Raster::EarlyZ, no_loads), "64-bit atomics");
-        assert_eq!(lacks(Raster::AtomicMin, no_loads), "");
+        assert_eq!(lacks(Raster::EarlyZ, no_loads), "");
+        assert_eq!(lacks(Raster::EarlyZ, nothing), "64-bit atomic minimum");
         assert_eq!(lacks(Raster::ReduceEarlyZ, no_subgroups), "subgroups");
         assert_eq!(lacks(Raster::Dedup, nothing), "64-bit atomic minimum, subgroups");
         assert_eq!(lacks(Raster::TwoPass32, nothing), "");
         assert_eq!(missing(Raster::Points, all, Some("indirect draws")).as_deref(), Some("indirect draws"));
         let defaults = [all, no_subgroups, no_loads, nothing].map(default_method);
-        assert_eq!(defaults, [Raster::EarlyZ, Raster::EarlyZ, Raster::AtomicMin, Raster::TwoPass32]);
+        assert_eq!(defaults, [Raster::EarlyZ, Raster::EarlyZ, Raster::EarlyZ, Raster::TwoPass32]);
     }
 
     #[test]

@@ -1,6 +1,8 @@
 //! The GPU backend: wgpu on Vulkan, Metal or DX12. [`GpuBackend::record`] is a frame, pass by pass.
 
+mod average;
 mod choose;
+mod color;
 mod compute;
 mod hardware;
 mod index;
@@ -12,6 +14,7 @@ mod targets;
 
 pub use self::resolve::ShadingUniform;
 use self::{
+    average::Average,
     compute::{ComputeRaster, Kernels},
     hardware::HardwareRaster,
     index::IndexBuild,
@@ -21,7 +24,8 @@ use self::{
     targets::{TargetLayouts, Targets},
 };
 use super::{
-    Backend, BackendInfo, Candidate, FramePlan, Measured, PassTimes, Picture, RasterChoice, RenderError, View,
+    Averaging, Backend, BackendInfo, Candidate, FramePlan, Measured, PassTimes, Picture, RasterChoice, RenderError,
+    Sums, View,
 };
 use crate::{
     gpu::{
@@ -56,6 +60,8 @@ pub struct GpuBackend {
     chooser: Chooser,
     index: IndexBuild,
     resolve: Resolve,
+    /// For high-quality shading, once it was asked for.
+    average: Option<Average>,
     timer: FrameTimer,
     lost: std::sync::Arc<std::sync::Mutex<Option<String>>>,
 }
@@ -122,6 +128,7 @@ impl GpuBackend {
             chooser,
             index: IndexBuild::new(&device, &layouts),
             resolve: Resolve::new(&device, &queue, &layouts, &store.pages),
+            average: None,
             timer: FrameTimer::new(&device, &queue, adapter.device_type),
             store,
             layouts,
@@ -154,18 +161,65 @@ impl GpuBackend {
         if self.store.pending_insertions() > 0 {
             self.store.record(&mut self.timer.compute_pass(encoder, Stage::Insert));
         }
-        self.record_clear(encoder, targets);
-        match &self.rasterizer {
-            Rasterizer::Compute(raster) => {
-                raster.record(encoder, &mut self.timer, &targets.bind_write, &self.store, sources);
-            }
-            Rasterizer::Hardware(raster) => {
-                let instances = plan.view.point_size.pow(2);
-                raster.record(encoder, &mut self.timer, targets.size, &self.store, sources, instances);
+        if !plan.keeps_depths {
+            self.record_clear(encoder, targets);
+            match &self.rasterizer {
+                Rasterizer::Compute(raster) => {
+                    raster.record(encoder, &mut self.timer, &targets.bind_write, &self.store, sources);
+                }
+                Rasterizer::Hardware(raster) => {
+                    let instances = plan.view.point_size.pow(2);
+                    raster.record(encoder, &mut self.timer, targets.size, &self.store, sources, instances);
+                }
             }
         }
-        self.index.record(&self.device, encoder, &mut self.timer, targets, &self.store.lists);
-        self.resolve.record(&self.device, encoder, &mut self.timer, targets, &self.store.pages);
+        // Before the index build, which replaces the list of what was visible.
+        let bind_sums = self.record_average(encoder, targets, plan);
+        if !plan.keeps_depths {
+            self.index.record(&self.device, encoder, &mut self.timer, targets, &self.store.lists);
+        }
+        let averages = self.average.as_ref().map(Average::resolve).zip(bind_sums.as_ref());
+        self.resolve.record(&self.device, encoder, &mut self.timer, targets, &self.store.pages, averages);
+    }
+
+    /// The second pass of high-quality shading, if the frame has one; the bind group of its sums.
+    fn record_average(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        targets: &Targets,
+        plan: &FramePlan,
+    ) -> Option<wgpu::BindGroup> {
+        let (average, averaging) = (self.average.as_mut()?, plan.averaging.as_ref()?);
+        let lists = [(Source::Reproject, plan.reproject), (Source::Fresh, plan.fresh)];
+        let lists = lists.into_iter().filter_map(|(source, drawn)| drawn.then_some(source)).collect();
+        let read = (targets, &self.view, &self.resolve.tables);
+        average.record(&self.device, &self.queue, encoder, &mut self.timer, read, &self.store, lists, averaging)
+    }
+
+    /// Makes what high-quality shading needs, and drops it when it is switched off.
+    fn prepare_average(&mut self, plan: &FramePlan) -> Result<(), RenderError> {
+        if !plan.shading.high_quality {
+            self.average = None;
+        }
+        if plan.averaging.is_none() {
+            return Ok(());
+        }
+        let size = [plan.view.width, plan.view.height];
+        let sums = average::sums_for(&self.device, u64::from(size[0]) * u64::from(size[1]));
+        let average = match self.average.take() {
+            Some(average) if average.sums == sums => average,
+            _ => {
+                let layout_colors = &self.resolve.layout_colors;
+                Average::new(&self.device, sums, &self.store.pages, &self.resolve.tables, layout_colors)
+            }
+        };
+        self.average.insert(average).resize(&self.device, size)
+    }
+
+    /// The sums of high-quality shading in the last frame that had any: red, green, blue and fragments of
+    /// each pixel, without its front point. For tests; waits for the device.
+    pub fn read_sums(&self) -> Result<Vec<[u64; 4]>, RenderError> {
+        self.average.as_ref().map_or(Ok(Vec::new()), |average| average.read(&self.device, &self.queue))
     }
 
     /// Counts as a part of reprojecting, as on the CPU backend.
@@ -187,6 +241,11 @@ impl GpuBackend {
 impl Backend for GpuBackend {
     fn info(&self) -> &BackendInfo {
         &self.info
+    }
+
+    fn sums(&self) -> Sums {
+        let pixels = self.targets.as_ref().map_or(0, Targets::pixels);
+        average::sums_for(&self.device, pixels.into())
     }
 
     fn reset(&mut self, points: u64) {
@@ -228,6 +287,7 @@ impl Backend for GpuBackend {
     fn draw(&mut self, plan: &FramePlan) -> Result<(), RenderError> {
         self.check_device()?;
         self.resize([plan.view.width, plan.view.height])?;
+        self.prepare_average(plan)?;
         let Some(targets) = self.targets.take() else { unreachable!("just made") };
         let mut encoder = self.device.create_command_encoder(&Default::default());
         self.store.lists.drop_forgotten(&mut encoder);
@@ -241,8 +301,10 @@ impl Backend for GpuBackend {
         let list = list.into_iter().filter_map(|(source, drawn)| drawn.then_some(source)).collect();
         let sources = self.binder.bind(&self.device, &self.queue, &self.store, list, &plan.fill);
         let work = Work {
-            fill_points: plan.fill.iter().map(|range| range.end - range.start).sum(),
+            fill_points: plan.fill_points(),
             insertions: self.store.pending_insertions(),
+            average_points: plan.averaging.as_ref().map_or(0, Averaging::points),
+            passes: plan.passes(),
         };
         self.record(&mut encoder, &targets, &sources, plan);
         self.timer.end(&mut encoder, work);

@@ -13,7 +13,7 @@ use crate::{
         device, kernel,
         timing::{FrameTimer, Work},
     },
-    render::{Clock, RenderError, Speed, View},
+    render::{Clock, Passes, RenderError, Speed, View},
     store::gpu::GpuStore,
 };
 
@@ -154,7 +154,7 @@ impl Probe {
         queue.write_buffer(&self.view, 0, bytemuck::bytes_of(view));
         // An empty list comes first: point lists clear their depths in a frame's first pass.
         let sources = binder.bind(device, queue, store, vec![Source::Fresh, Source::Fill], &[0..self.points, 0..0]);
-        let work = Work { fill_points: self.points, insertions: 0 };
+        let work = Work { fill_points: self.points, insertions: 0, average_points: 0, passes: Passes::Depths };
         let mut encoder = device.create_command_encoder(&Default::default());
         self.timer.begin();
         match rasterizer {
