@@ -33,7 +33,7 @@ impl Pipelines {
     pub fn new(packing: Option<Packing>, is_software: bool) -> Pipelines {
         let spins = if is_software { SOFTWARE_SPINS } else { SPINS };
         let encoding = if packing.is_some() { Encoding::Packed } else { Encoding::Wide };
-        Pipelines { encoding, made: HashMap::new(), spins, packing, launch: Launch::default(), is_near: false }
+        Pipelines { encoding, made: HashMap::new(), spins, packing, launch: Launch::tuned(encoding), is_near: false }
     }
 
     /// What a module of points is compiled with.

@@ -101,7 +101,7 @@ impl Runner {
         self.pipelines.set_spins(spins);
     }
 
-    /// How the kernels that draw points are launched; [`Launch::TUNED`] unless told.
+    /// How the kernels that draw points are launched; [`Launch::tuned`] unless told.
     pub fn set_launch(&mut self, launch: Launch) {
         self.pipelines.set_launch(launch);
         // They have the hardware's pipeline, and its module the launch.

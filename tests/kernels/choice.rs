@@ -68,9 +68,15 @@ fn differing(a: &Picture, b: &Picture) -> usize {
     (0..a.records.len()).filter(|&i| pixel(a, i) != pixel(b, i)).count()
 }
 
-/// Other devices may fuse multiplication and addition in one kernel and not in another.
-fn allowed(backend: &GpuBackend, pixels: usize) -> usize {
-    if backend.info().adapter.starts_with("llvmpipe") { 0 } else { pixels / 1000 }
+/// Pixels that differ between two methods. Other devices than lavapipe may fuse multiplication and addition in one
+/// kernel and not in another: there depths may differ in their last bits, and points on borders fall into
+/// the next pixel, in one pixel of 50.
+fn unlike(backend: &GpuBackend, a: &Picture, b: &Picture) -> usize {
+    if backend.info().adapter.starts_with("llvmpipe") {
+        return differing(a, b);
+    }
+    let other = (0..a.records.len()).filter(|&i| a.records[i] != b.records[i]).count();
+    other.saturating_sub(a.records.len() / 50)
 }
 
 #[test]
@@ -83,7 +89,6 @@ fn all_candidates_draw_the_picture_of_all_points() {
         backend.store_mut().set_page_points(Some(1000));
         assert_eq!(backend.info().choice.as_ref().unwrap().candidate, candidate);
         assert_eq!(backend.info().method, candidate.method);
-        let allowed = allowed(&backend, 97 * 61);
         let mut scene = Scene::open(backend, 6_007, 777);
         for (i, point_size) in [1, 2, 3, 8].into_iter().enumerate() {
             let progressive = scene.converge(SIZE, point_size);
@@ -92,8 +97,8 @@ fn all_candidates_draw_the_picture_of_all_points() {
             // Of early-z:256, whose kernel the twins hold.
             match references.get(i) {
                 Some(reference) => {
-                    let different = differing(&progressive, reference);
-                    assert!(different <= allowed, "{candidate}, {point_size} px: {different} pixels differ");
+                    let different = unlike(scene.progressive.backend(), &progressive, reference);
+                    assert!(different == 0, "{candidate}, {point_size} px: {different} pixels differ");
                 }
                 None => references.push(progressive),
             }
@@ -109,7 +114,6 @@ fn all_candidates_draw_the_picture_of_all_points() {
 #[test]
 fn measuring_names_its_figures_and_changes_no_picture() {
     let Some(backend) = gpu(RasterChoice::Auto) else { return };
-    let allowed = allowed(&backend, 320 * 240);
     let mut scene = Scene::open(backend, 60_001, 20_000);
     assert_eq!(scene.progressive.backend().info().choice.as_ref().unwrap().why, Why::Default);
     let before = scene.converge([320, 240], 2);
@@ -132,7 +136,7 @@ fn measuring_names_its_figures_and_changes_no_picture() {
     // The words on screen are not those that were measured with.
     assert_eq!(differing(&before, &scene.progressive.read().unwrap()), 0);
     let after = scene.brute_force([320, 240], 2);
-    assert!(differing(&before, &after) <= allowed);
+    assert_eq!(unlike(scene.progressive.backend(), &before, &after), 0);
     assert_eq!(scene.progressive.backend_mut().measure_at_rest().unwrap(), None, "nothing is left to measure");
 }
 

@@ -74,7 +74,7 @@ fn sizes_around_groups_and_pages() {
         let cloud = clouds::cube(points);
         for (encoding, page, launch) in [
             (Encoding::Wide, None, Launch::PLAIN),
-            (Encoding::Packed, Some(1000), Launch::TUNED),
+            (Encoding::Packed, Some(1000), Launch::tuned(Encoding::Packed)),
             (Encoding::Wide, Some(63), Launch { threads: 128, points: 2, is_spread: true }),
         ] {
             let mut runner = Runner::with_pages(&gpu, &cloud, encoding, size, page).unwrap();
@@ -112,7 +112,11 @@ fn a_dispatch_of_several_rows() {
     let mut runner = Runner::new(&gpu, &cloud, Encoding::Packed, size).unwrap();
     // The eye is between the two.
     let view = clouds::along_y(size, 0.000_5);
-    for (name, launch) in [("early-z", Launch::PLAIN), ("reduce", Launch::TUNED), ("two-pass-32", Launch::TUNED)] {
+    for (name, launch) in [
+        ("early-z", Launch::PLAIN),
+        ("reduce", Launch::tuned(Encoding::Packed)),
+        ("two-pass-32", Launch::tuned(Encoding::Packed)),
+    ] {
         let method = by_name(name).unwrap();
         if gpu.supports(method).is_ok() {
             runner.set_launch(launch);

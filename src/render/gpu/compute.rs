@@ -2,7 +2,7 @@
 //! and slot at once; without, a pass for the depth and one for the slot. They differ in what a fill
 //! does before the atomic operation; lists are short, and drawn alike by all.
 
-use std::collections::HashMap;
+use std::{collections::HashMap, sync::mpsc, thread};
 
 use super::{
     sources::{Source, SourceBinder, Sources},
@@ -43,17 +43,58 @@ fn of_lists(module: &'static Shader) -> &'static Shader {
     }
 }
 
-/// Pipelines, each made once, when it is first needed.
+/// A module's name and, of spans, the group size.
+type Key = (&'static str, Option<u32>);
+
+/// Pipelines, each made once: when it is first needed, or before on a thread of their own.
 pub struct Kernels {
     layout: [wgpu::BindGroupLayout; 3],
-    /// By module and entry point or, of spans, group size.
-    made: HashMap<(&'static str, Option<u32>), wgpu::ComputePipeline>,
+    made: HashMap<Key, wgpu::ComputePipeline>,
+    arriving: Option<mpsc::Receiver<(Key, wgpu::ComputePipeline)>>,
 }
 
 impl Kernels {
     pub fn new(layouts: &TargetLayouts, store: &GpuStore, binder: &SourceBinder) -> Kernels {
         let layout = [layouts.write.clone(), store.pages.layout_positions.clone(), binder.layout.clone()];
-        Kernels { layout, made: HashMap::new() }
+        Kernels { layout, made: HashMap::new(), arriving: None }
+    }
+
+    /// Starts to make what these candidates need, in this order. A GPU's driver takes some 100 ms for each kernel
+    /// (H200), which no frame should wait for.
+    pub fn make_aside(&mut self, device: &wgpu::Device, candidates: Vec<Candidate>) {
+        let (sender, receiver) = mpsc::channel();
+        let mut own = Kernels { layout: self.layout.clone(), made: self.made.clone(), arriving: None };
+        let device = device.clone();
+        let make = move || {
+            for (shader, span_group) in candidates.into_iter().flat_map(needs) {
+                let key = (shader.name, span_group);
+                if !own.made.contains_key(&key) && sender.send((key, own.make(&device, shader, span_group))).is_err() {
+                    return;
+                }
+            }
+        };
+        // Without a thread, they are made when they are needed.
+        if thread::Builder::new().name("kernels".into()).spawn(make).is_ok() {
+            self.arriving = Some(receiver);
+        }
+    }
+
+    /// Whether a candidate's pipelines are there, or will never come from elsewhere.
+    pub fn is_ready(&mut self, candidate: Candidate) -> bool {
+        loop {
+            let is_made = |(shader, group): (&'static Shader, _)| self.made.contains_key(&(shader.name, group));
+            if needs(candidate).all(is_made) {
+                return true;
+            }
+            let Some(arriving) = &self.arriving else { return true };
+            match arriving.try_recv() {
+                Ok((key, pipeline)) => {
+                    self.made.insert(key, pipeline);
+                }
+                Err(mpsc::TryRecvError::Empty) => return false,
+                Err(mpsc::TryRecvError::Disconnected) => self.arriving = None,
+            }
+        }
     }
 
     /// `span_group` is the group size of `from_span`; without, it is `from_list`.
@@ -78,6 +119,16 @@ impl Kernels {
     }
 }
 
+fn group_size(candidate: Candidate) -> u32 {
+    candidate.group_size.unwrap_or(kernel::GROUP)
+}
+
+/// The pipelines of a candidate.
+fn needs(candidate: Candidate) -> impl Iterator<Item = (&'static Shader, Option<u32>)> {
+    let of = move |&shader: &&'static Shader| [(of_lists(shader), None), (shader, Some(group_size(candidate)))];
+    modules(candidate.method).iter().flat_map(of)
+}
+
 struct Plot {
     from_list: wgpu::ComputePipeline,
     from_span: wgpu::ComputePipeline,
@@ -93,7 +144,7 @@ pub struct ComputeRaster {
 impl ComputeRaster {
     /// The device must have what the method's modules need.
     pub fn new(device: &wgpu::Device, candidate: Candidate, kernels: &mut Kernels) -> ComputeRaster {
-        let group_size = candidate.group_size.unwrap_or(kernel::GROUP);
+        let group_size = group_size(candidate);
         let plot = |shader: &&'static Shader| Plot {
             from_list: kernels.make(device, of_lists(shader), None),
             from_span: kernels.make(device, shader, Some(group_size)),

@@ -45,15 +45,15 @@ impl HardwareRaster {
         needed.iter().find(|(flag, _)| !flags.contains(*flag)).map(|&(_, name)| name)
     }
 
-    pub fn new(device: &wgpu::Device, store: &GpuStore) -> HardwareRaster {
+    pub fn new(device: &wgpu::Device, layout_positions: &wgpu::BindGroupLayout) -> HardwareRaster {
         let layout_words = words_layout(device);
         let layout_depths = kernel::layout(device, "depths", wgpu::ShaderStages::FRAGMENT, &[Binding::DepthTexture]);
         let module = shaders::HARDWARE.module(device);
         let pipeline = |label, claims: bool| {
             let groups: &[&wgpu::BindGroupLayout] = if claims {
-                &[&layout_words, &store.pages.layout_positions, &layout_depths]
+                &[&layout_words, layout_positions, &layout_depths]
             } else {
-                &[&layout_words, &store.pages.layout_positions]
+                &[&layout_words, layout_positions]
             };
             device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
                 label: Some(label),

@@ -2,11 +2,13 @@
 //! when the picture's size has changed and then stayed for [`SETTLE`].
 //!
 //! The first picture waits for none of this: it is drawn with the method that is the fastest on most
-//! devices. Then candidates are compiled and timed one by one between frames, in at most [`SHARE`] of the
-//! time, or without that limit while nothing else is to be drawn.
+//! devices. Then candidates are compiled on a thread of their own, and timed one by one between frames, in at
+//! most [`SHARE`] of the time, or without that limit while nothing else is to be drawn.
 
 use std::{
     collections::VecDeque,
+    sync::mpsc,
+    thread,
     time::{Duration, Instant},
 };
 
@@ -27,7 +29,9 @@ const SETTLE: Duration = Duration::from_millis(300);
 const SHARE: f64 = 0.1;
 /// Measuring goes on for so long before the next frame gets its turn.
 const SLICE: Duration = Duration::from_millis(4);
-/// All of a measurement; a candidate that would take longer, judged by the slowest before, is left out. On
+/// How soon to ask again for a kernel that is being compiled.
+const COMPILING: Duration = Duration::from_millis(10);
+/// All of a measurement, on a software rasterizer with the compiling; a candidate that would take longer, judged by the slowest before, is left out. On
 /// lavapipe with two cores, a kernel takes 3 to 10 ms if Mesa's cache on disk has it, else 35.
 const LIMIT: Duration = Duration::from_millis(500);
 const SOFTWARE_LIMIT: Duration = Duration::from_millis(80);
@@ -48,6 +52,7 @@ pub struct Chooser {
     device_type: wgpu::DeviceType,
     kernels: Kernels,
     hardware: Option<HardwareRaster>,
+    hardware_arriving: Option<mpsc::Receiver<HardwareRaster>>,
     /// What the device can run.
     able: Vec<Candidate>,
     /// What it cannot, with the reason.
@@ -95,6 +100,7 @@ impl Chooser {
             device_type,
             kernels,
             hardware: None,
+            hardware_arriving: None,
             able,
             unable,
             ready: Instant::now(),
@@ -125,10 +131,40 @@ impl Chooser {
     /// A rasterizer that the device can run.
     pub fn rasterizer(&mut self, device: &wgpu::Device, store: &GpuStore, candidate: Candidate) -> Rasterizer {
         if candidate.method == Raster::Points {
-            let raster = self.hardware.get_or_insert_with(|| HardwareRaster::new(device, store));
+            let raster =
+                self.hardware.get_or_insert_with(|| HardwareRaster::new(device, &store.pages.layout_positions));
             return Rasterizer::Hardware(raster.clone());
         }
         Rasterizer::Compute(ComputeRaster::new(device, candidate, &mut self.kernels))
+    }
+
+    /// Starts to make what these candidates need, on threads of their own.
+    fn make_aside(&mut self, device: &wgpu::Device, store: &GpuStore, candidates: Vec<Candidate>) {
+        if self.hardware.is_none() && candidates.iter().any(|candidate| candidate.method == Raster::Points) {
+            let (sender, receiver) = mpsc::channel();
+            let (device, layout) = (device.clone(), store.pages.layout_positions.clone());
+            // Nobody may want it any more.
+            let make = move || drop(sender.send(HardwareRaster::new(&device, &layout)));
+            if thread::Builder::new().name("point lists".into()).spawn(make).is_ok() {
+                self.hardware_arriving = Some(receiver);
+            }
+        }
+        self.kernels.make_aside(device, candidates);
+    }
+
+    /// Whether nothing need be compiled for a candidate any more.
+    fn is_ready(&mut self, candidate: Candidate) -> bool {
+        if candidate.method != Raster::Points {
+            return self.kernels.is_ready(candidate);
+        }
+        let Some(arriving) = &self.hardware_arriving else { return true };
+        match arriving.try_recv() {
+            Ok(raster) => self.hardware = Some(raster),
+            Err(mpsc::TryRecvError::Empty) => return false,
+            Err(mpsc::TryRecvError::Disconnected) => {}
+        }
+        self.hardware_arriving = None;
+        true
     }
 
     /// A scene begins; what was measured on the one before need not hold for it.
@@ -163,12 +199,13 @@ impl Chooser {
         }
     }
 
-    fn due(&self, now: Instant) -> Due {
+    fn due(&mut self, now: Instant) -> Due {
         let (true, Some([_, _, point_size])) = (self.is_auto, self.picture()) else { return Due::Never };
         // A scene that is still being read has half of it stored at least, or enough.
         let enough = self.probe_points(point_size).min((self.expected / 2).min(u32::MAX.into()) as u32);
-        if self.round.is_some() {
-            return Due::Now;
+        if let Some(round) = &self.round {
+            let next = round.waiting.front().copied();
+            return if next.is_none_or(|next| self.is_ready(next)) { Due::Now } else { Due::In(COMPILING) };
         }
         if self.measured == self.picture() || self.stored < enough.max(MIN_POINTS) {
             return Due::Never;
@@ -212,7 +249,21 @@ impl GpuBackend {
         }
     }
 
-    /// Compiles and times candidates until `slice` is over, at least one.
+    /// Measures to the end, if that is due.
+    pub(super) fn measure_all(&mut self) -> Result<(), RenderError> {
+        loop {
+            match self.measure_at_rest()? {
+                None => return Ok(()),
+                // Being compiled.
+                Some(time) if self.chooser.round.is_some() => thread::sleep(time),
+                Some(Duration::ZERO) => {}
+                // The size of the picture may still change.
+                Some(_) => return Ok(()),
+            }
+        }
+    }
+
+    /// Times candidates until `slice` is over, at least one.
     fn measure(&mut self, slice: Duration) -> Result<(), RenderError> {
         let start = Instant::now();
         let current = self.current();
@@ -227,7 +278,11 @@ impl GpuBackend {
         let spent_before = round.spent;
         loop {
             round.spent = spent_before + start.elapsed();
-            let Some(candidate) = round.waiting.pop_front() else { break };
+            let Some(&candidate) = round.waiting.front() else { break };
+            if !self.chooser.is_ready(candidate) {
+                break;
+            }
+            round.waiting.pop_front();
             let kernels = modules(candidate.method).len().max(1) as u32;
             if round.spent + kernels * round.longest > limit && candidate != current {
                 round.table.push(left_out(candidate, TOO_LONG.into()));
@@ -316,6 +371,10 @@ impl GpuBackend {
             table.extend(hopeless.map(|candidate| left_out(candidate, HOPELESS.into())));
             waiting.retain(|candidate| !is_hopeless(candidate));
         }
+        // On a processor, compiling aside would slow down everything else.
+        if !self.chooser.is_software() {
+            self.chooser.make_aside(&self.device, &self.store, waiting.iter().copied().collect());
+        }
         log::debug!("measuring: ready after {:.1?}", start.elapsed());
         Ok(Some(Round { probe, picture, waiting, table, spent: Duration::ZERO, longest: Duration::ZERO }))
     }
@@ -378,4 +437,27 @@ fn in_words(row: &Measured) -> Option<String> {
     let clock = if speed.clock == Clock::Wall { " (wall clock)" } else { "" };
     let [overview, far] = [speed.overview_points_per_sec, speed.far_points_per_sec].map(|rate| rate * 1e-6);
     Some(format!("{} {overview:.0}/{far:.0} M points/s{clock}", row.candidate))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// As on a GPU, whose kernels are compiled aside.
+    #[test]
+    fn what_is_made_aside_arrives() {
+        let Ok(mut backend) = GpuBackend::headless(RasterChoice::Auto) else { return };
+        let wanted = [Raster::Points, Raster::AtomicMin, Raster::TwoPass32].map(Candidate::new);
+        let wanted: Vec<_> = wanted.into_iter().filter(|candidate| backend.chooser.able.contains(candidate)).collect();
+        let GpuBackend { chooser, device, store, .. } = &mut backend;
+        chooser.make_aside(device, store, wanted.clone());
+        let patience = Instant::now() + Duration::from_secs(60);
+        for candidate in wanted {
+            while !chooser.is_ready(candidate) {
+                assert!(Instant::now() < patience, "{candidate} does not arrive");
+                thread::sleep(Duration::from_millis(1));
+            }
+        }
+        assert!(chooser.hardware.is_some() && chooser.kernels.is_ready(Candidate::new(Raster::AtomicMin)));
+    }
 }

@@ -38,7 +38,6 @@ use crate::{
         gpu::{GpuStore, INSERTIONS_PER_FRAME},
     },
 };
-use std::time::Duration;
 
 enum Rasterizer {
     Compute(ComputeRaster),
@@ -323,8 +322,7 @@ impl Backend for GpuBackend {
     }
 
     fn choose(&mut self) -> Result<(), RenderError> {
-        while self.measure_at_rest()? == Some(Duration::ZERO) {}
-        Ok(())
+        self.measure_all()
     }
 
     fn wait(&mut self) -> Result<(), RenderError> {
