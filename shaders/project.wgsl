@@ -26,9 +26,13 @@ fn row_dot(row: vec4<f32>, d: vec3<f32>) -> f32 {
     return (row.x * d.x + row.y * d.y) + row.z * d.z;
 }
 
+// Whether no position is 2^31 steps or more from the eye, see `View::is_near`. Not a member of `view`: where a
+// branch hangs on a uniform alone, lavapipe 22.3 compiles the kernel anew for each dispatch, and keeps them all.
+override IS_NEAR: bool = false;
+
 // Whole grid steps from the eye, rounded once.
 fn steps_from_eye(position: vec3<i32>) -> vec3<f32> {
-    if view.row_x.w != 0.0 {
+    if IS_NEAR {
         return vec3<f32>(position - ((view.eye_high << vec3<u32>(16u)) + view.eye_low));
     }
     // The upper and lower 16 bits are subtracted as integers: no difference overflows, and the only

@@ -1,5 +1,5 @@
-// Rasterizes slots, of a list or a range, whose points lie in the bound page. `plot` comes from
-// plot_*.wgsl. Twin: src/render/cpu.
+// Rasterizes slots of a list whose points lie in the bound page; `from_span`, in span.wgsl, does those of a
+// range. `plot` comes from plot_*.wgsl. Twin: src/render/cpu.
 struct Span {
     first: u32,
     count: u32,
@@ -11,12 +11,8 @@ struct Span {
 @group(2) @binding(1) var<storage, read> list: array<u32>;
 @group(2) @binding(2) var<storage, read> list_count: array<u32>;
 
-fn plot_slot(slot: u32) {
-    let local = slot - page.first;
-    if local >= page.len {
-        return;
-    }
-    let point = project(load_position(local));
+fn plot_point(position: vec3<i32>, slot: u32) {
+    let point = project(position);
     if !point.is_inside {
         return;
     }
@@ -32,14 +28,9 @@ fn plot_slot(slot: u32) {
 fn from_list(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let i = line_index(group, groups, local);
     if i < list_count[0] {
-        plot_slot(list[i]);
-    }
-}
-
-@compute @workgroup_size(256)
-fn from_span(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let i = line_index(group, groups, local);
-    if i < span.count {
-        plot_slot(span.first + i);
+        let slot = list[i];
+        if slot - page.first < page.len {
+            plot_point(load_position(slot - page.first), slot);
+        }
     }
 }

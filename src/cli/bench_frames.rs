@@ -11,13 +11,13 @@ use clap::Args;
 
 use super::{
     CliError, ExitStatus,
-    render::{BackendArg, RasterArg, backend_choice},
+    render::{BackendArg, backend_choice},
     say, values,
 };
 use crate::{
     headless::{Destination, HeadlessError, OutputError, make_backend},
     measure::{BenchError, BenchFrames, Fed, Feed, bench_frames, markdown},
-    render::FillBudget,
+    render::{FillBudget, RasterChoice},
     synth::SynthOptions,
 };
 
@@ -47,9 +47,13 @@ pub struct BenchFramesArgs {
     /// Random points that each frame tries, instead of a target
     #[arg(long, value_name = "N", value_parser = values::parse_points)]
     fill: Option<u32>,
-    /// How the GPU turns points into pixels; auto measures which is faster
-    #[arg(long, value_enum, default_value_t)]
-    raster: RasterArg,
+    /// How the GPU turns points into pixels: a method's name, or NAME:64 (:128, :256) with its workgroup
+    /// size; auto measures which is the fastest
+    #[arg(long, value_name = "auto|NAME", default_value = "auto", value_parser = values::parse_method)]
+    method: RasterChoice,
+    /// High-quality shading
+    #[arg(long)]
+    hq: bool,
     /// Where to draw; auto takes a GPU if there is one
     #[arg(long, value_enum, default_value_t)]
     backend: BackendArg,
@@ -73,9 +77,8 @@ pub fn run(args: BenchFramesArgs, started: Instant) -> Result<ExitStatus, CliErr
         Some(options) => Feed::synth(options, args.threads)?,
         None => Feed::files(&args.inputs, args.threads),
     };
-    let (backend, _, notes) =
-        make_backend(backend_choice(args.backend, args.raster)?, args.raster.into(), args.threads)
-            .map_err(BenchError::from)?;
+    let (backend, _, notes) = make_backend(backend_choice(args.backend, args.method)?, args.method, args.threads)
+        .map_err(BenchError::from)?;
     notes.iter().for_each(|note| say(note));
     let settings = BenchFrames {
         size: args.size,
@@ -84,6 +87,7 @@ pub fn run(args: BenchFramesArgs, started: Instant) -> Result<ExitStatus, CliErr
         fill: args.fill.map_or(FillBudget::Target(args.target_ms * 1e-3), FillBudget::Fixed),
         at: args.at,
         frames: args.frames,
+        high_quality: args.hq,
     };
     let report = bench_frames(&settings, feed, backend, decoded, started)?;
     // If nobody reads the table, the report is still written.

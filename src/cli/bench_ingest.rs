@@ -12,7 +12,7 @@ use clap::Args;
 
 use super::{
     CliError, ExitStatus,
-    render::{BackendArg, RasterArg, backend_choice},
+    render::{BackendArg, backend_choice},
     say, values,
 };
 use crate::measure::{
@@ -22,6 +22,7 @@ use crate::measure::{
         page, write_csv,
     },
 };
+use crate::render::RasterChoice;
 
 /// Shown after the options.
 pub const HELP: &str = "\
@@ -51,7 +52,7 @@ Exit codes:
   3  no input can be read: missing, or not LAS/LAZ
   4  partly read: the report is written, but points are missing
   5  the report cannot be written
-  6  no device does what was asked (--backend, --raster, --size)";
+  6  no device does what was asked (--backend, --method, --size)";
 
 #[derive(Debug, Args)]
 pub struct BenchIngestArgs {
@@ -91,9 +92,10 @@ pub struct BenchIngestArgs {
     /// Frame time that fill and loading aim at, milliseconds
     #[arg(long, value_name = "MS", default_value_t = 16.0, value_parser = values::parse_millis)]
     target_ms: f64,
-    /// How the GPU turns points into pixels; auto measures which is faster
-    #[arg(long, value_enum, default_value_t)]
-    raster: RasterArg,
+    /// How the GPU turns points into pixels: a method's name, or NAME:64 (:128, :256) with its workgroup
+    /// size; auto measures which is the fastest
+    #[arg(long, value_name = "auto|NAME", default_value = "auto", value_parser = values::parse_method)]
+    method: RasterChoice,
     /// Where to draw; auto takes a GPU if there is one
     #[arg(long, value_enum, default_value_t)]
     backend: BackendArg,
@@ -104,8 +106,8 @@ pub struct BenchIngestArgs {
 
 pub fn run(args: BenchIngestArgs) -> Result<ExitStatus, CliError> {
     let screen = ScreenSettings {
-        backend: backend_choice(args.backend, args.raster)?,
-        raster: args.raster.into(),
+        backend: backend_choice(args.backend, args.method)?,
+        method: args.method,
         size: args.size,
         point_size: args.point_size,
         target_secs: args.target_ms * 1e-3,

@@ -40,7 +40,7 @@ Exit codes:
   3  no input can be read: missing, or not LAS/LAZ
   4  partly read: outputs are written, but points are missing (damaged input, or memory ran out)
   5  an output cannot be written
-  6  no device does what was asked (--backend, --raster, --size)";
+  6  no device does what was asked (--backend, --method, --size)";
 
 /// Why the program ends early.
 #[derive(Debug, thiserror::Error)]

@@ -12,7 +12,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use super::{
     CliError, ExitStatus,
     bench_ingest::{command_line, once},
-    render::{BackendArg, RasterArg, backend_choice, read_camera},
+    render::{BackendArg, backend_choice, read_camera},
     say, values,
 };
 use crate::{
@@ -24,7 +24,7 @@ use crate::{
         },
         raster::Input,
     },
-    render::Camera,
+    render::{Camera, RasterChoice},
     synth::SynthOptions,
 };
 
@@ -32,7 +32,7 @@ use crate::{
 pub const HELP: &str = "\
 A run has phases: loading, still, and each motion with a rest behind it, until the picture has converged. After every
 frame the picture is compared with that of all points received so far and with that of all points of the file, both
-drawn by brute force on the same device. The settings (every --fill at every --point-size and --raster) are run in turn,
+drawn by brute force on the same device. The settings (every --fill at every --point-size and --method) are run in turn,
 then the baselines at the first of them: what this program's method is judged against.
 
 --clock real times a run first, without comparisons, in frames at most sixty times a second; then its frames are drawn
@@ -52,7 +52,7 @@ Exit codes:
   3  no input can be read: missing, or not LAS/LAZ
   4  the report is written, but points are missing, or one of its checks failed
   5  the report cannot be written
-  6  no device does what was asked (--backend, --raster, --size)";
+  6  no device does what was asked (--backend, --method, --size)";
 
 /// Fill of the virtual clock where none is given.
 const VIRTUAL_FILL: u32 = 100_000;
@@ -89,9 +89,10 @@ pub struct MeasureArgs {
     /// Widths of a point, pixels, 1 to 8
     #[arg(long, value_name = "PX,…", value_delimiter = ',', default_values_t = [VIEWER_POINT_SIZE], value_parser = clap::value_parser!(u32).range(1..=8))]
     point_size: Vec<u32>,
-    /// How the GPU turns points into pixels; auto measures which is faster
-    #[arg(long, value_enum, value_name = "RASTER,…", value_delimiter = ',', default_value = "auto")]
-    raster: Vec<RasterArg>,
+    /// How the GPU turns points into pixels: methods' names, or NAME:64 (:128, :256) with their workgroup
+    /// size; auto measures which is the fastest
+    #[arg(long, value_name = "auto|NAME,…", value_delimiter = ',', default_value = "auto", value_parser = values::parse_method)]
+    method: Vec<RasterChoice>,
     /// Where to draw; auto takes a GPU if there is one
     #[arg(long, value_enum, default_value_t)]
     backend: BackendArg,
@@ -189,7 +190,7 @@ impl MeasureArgs {
     fn validate(self) -> Result<Measure, CliError> {
         // Every choice must go with the backend.
         let backends: Result<Vec<_>, _> =
-            self.raster.iter().map(|&raster| backend_choice(self.backend, raster)).collect();
+            self.method.iter().map(|&method| backend_choice(self.backend, method)).collect();
         let backend = backends?.first().copied().unwrap_or_default();
         let is_virtual = self.clock == Clock::Virtual;
         let fills = match (self.fill.is_empty(), is_virtual) {
@@ -228,7 +229,7 @@ impl MeasureArgs {
             camera: self.camera.as_deref().map(read_camera).transpose()?,
             motions,
             backend,
-            rasters: once(self.raster.into_iter().map(Into::into).collect()),
+            methods: once(self.method),
             fills,
             point_sizes: once(self.point_size),
             baselines,

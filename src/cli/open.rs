@@ -10,12 +10,12 @@ use clap::Args;
 
 use super::{
     CliError, ExitStatus,
-    render::{RasterArg, progress_style, tell},
+    render::{progress_style, tell},
     say, values,
 };
 use crate::{
     headless::{self, BackendChoice, Destination, HeadlessError, Outputs, Settings, Stop},
-    render::{INSERTION_POINTS, Shading},
+    render::{INSERTION_POINTS, RasterChoice, Shading},
     view::{self, ViewError},
 };
 
@@ -25,9 +25,10 @@ pub struct OpenArgs {
     /// A file called like a command is opened as `./render`
     #[arg(value_name = "IN")]
     inputs: Vec<PathBuf>,
-    /// How the GPU turns points into pixels; auto measures which is faster
-    #[arg(long, value_enum, default_value_t)]
-    raster: RasterArg,
+    /// How the GPU turns points into pixels: a method's name, or NAME:64 (:128, :256) with its workgroup
+    /// size; auto measures which is the fastest
+    #[arg(long, value_name = "auto|NAME", default_value = "auto", value_parser = values::parse_method)]
+    method: RasterChoice,
     /// Width of a point, pixels, 1 to 8
     #[arg(long, value_name = "PX", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=8))]
     point_size: u32,
@@ -48,7 +49,7 @@ pub fn run(args: OpenArgs, started: Instant) -> Result<ExitStatus, CliError> {
     }
     let options = view::Options {
         inputs: args.inputs.clone(),
-        raster: args.raster.into(),
+        method: args.method,
         point_size: args.point_size,
         seed: args.seed,
         fill: args.fill,
@@ -81,7 +82,7 @@ fn picture_instead(args: OpenArgs, started: Instant, why: &str) -> Result<ExitSt
         size: [1600, 900],
         camera: None,
         backend: BackendChoice::Auto,
-        raster: args.raster.into(),
+        method: args.method,
         fill: args.fill,
         point_size: args.point_size,
         shading: Shading::default(),

@@ -31,9 +31,10 @@ pub struct RenderArgs {
     /// in the file's own coordinates; by default the whole scene, from the south and above
     #[arg(long, value_name = "CAM.json")]
     camera: Option<PathBuf>,
-    /// How the GPU turns points into pixels; auto measures which is faster
-    #[arg(long, value_enum, default_value_t)]
-    raster: RasterArg,
+    /// How the GPU turns points into pixels: a method's name, or NAME:64 (:128, :256) with its workgroup
+    /// size; auto measures which is the fastest
+    #[arg(long, value_name = "auto|NAME", default_value = "auto", value_parser = values::parse_method)]
+    method: RasterChoice,
     /// Where to draw; auto takes a GPU if there is one
     #[arg(long, value_enum, default_value_t)]
     backend: BackendArg,
@@ -66,6 +67,9 @@ pub struct RenderArgs {
     /// Strength of eye-dome lighting; 0 turns it off
     #[arg(long, value_name = "STRENGTH", default_value_t = Shading::default().edl_strength, value_parser = values::parse_strength, allow_negative_numbers = true)]
     edl: f32,
+    /// High-quality shading: each pixel shows the mean colour of all points within 1 % behind its nearest
+    #[arg(long)]
+    hq: bool,
     /// Decoder threads; by default one per core, less one
     #[arg(long, value_name = "N", value_parser = values::parse_threads)]
     threads: Option<usize>,
@@ -75,30 +79,6 @@ pub struct RenderArgs {
     /// Points that enter the store at a time; fixes their slots together with the seed
     #[arg(long, value_name = "N", default_value_t = INSERTION_POINTS, value_parser = values::parse_insertion, hide = true)]
     insertion_points: u32,
-}
-
-/// [`RasterChoice`] on the command line.
-#[derive(Debug, Clone, Copy, Default, ValueEnum)]
-pub enum RasterArg {
-    #[default]
-    Auto,
-    /// Compute shaders, with 64-bit atomics where the device has them
-    Compute,
-    /// Compute shaders, with 32-bit atomics only
-    Compute32,
-    /// Point-list draws
-    Hardware,
-}
-
-impl From<RasterArg> for RasterChoice {
-    fn from(arg: RasterArg) -> RasterChoice {
-        match arg {
-            RasterArg::Auto => RasterChoice::Auto,
-            RasterArg::Compute => RasterChoice::Compute,
-            RasterArg::Compute32 => RasterChoice::Compute32,
-            RasterArg::Hardware => RasterChoice::Hardware,
-        }
-    }
 }
 
 /// [`BackendChoice`] on the command line.
@@ -161,7 +141,7 @@ fn summary(report: &Report) -> String {
         report.frames,
         if report.frames == 1 { "" } else { "s" },
         report.seconds.to_picture.unwrap_or_default(),
-        report.rasterizer,
+        report.method,
         report.adapter,
     )
 }
@@ -171,21 +151,21 @@ fn with_help(error: HeadlessError) -> CliError {
     match error {
         HeadlessError::Render(error @ RenderError::NoAdapter(_)) => CliError::NoDevice {
             error,
-            help: "leave out --raster and --backend, or say --backend cpu, to draw on the processor",
+            help: "leave out --method and --backend, or say --backend cpu, to draw on the processor",
         },
         HeadlessError::Render(error @ RenderError::Unsupported { .. }) => {
-            CliError::NoDevice { error, help: "--raster auto takes one that works" }
+            CliError::NoDevice { error, help: "--method auto takes one that works" }
         }
         other => other.into(),
     }
 }
 
-/// What `--backend` and `--raster` say together.
-pub fn backend_choice(backend: BackendArg, raster: RasterArg) -> Result<BackendChoice, CliError> {
-    match (backend, raster) {
-        (BackendArg::Cpu, RasterArg::Auto) => Ok(BackendChoice::Cpu),
+/// What `--backend` and `--method` say together.
+pub fn backend_choice(backend: BackendArg, method: RasterChoice) -> Result<BackendChoice, CliError> {
+    match (backend, method) {
+        (BackendArg::Cpu, RasterChoice::Auto) => Ok(BackendChoice::Cpu),
         (BackendArg::Cpu, _) => {
-            Err(CliError::Usage("--raster chooses among the GPU's rasterizers; leave it out with --backend cpu".into()))
+            Err(CliError::Usage("--method chooses among the GPU's methods; leave it out with --backend cpu".into()))
         }
         (BackendArg::Gpu, _) => Ok(BackendChoice::Gpu),
         (BackendArg::Auto, _) => Ok(BackendChoice::Auto),
@@ -198,17 +178,17 @@ impl RenderArgs {
         if self.brute_force && matches!(self.stop, Stop::Frames(_)) {
             return usage("--brute-force draws one frame of all points; --stop frames=N does not go with it");
         }
-        let backend = backend_choice(self.backend, self.raster)?;
+        let backend = backend_choice(self.backend, self.method)?;
         let camera = self.camera.as_deref().map(read_camera).transpose()?;
         Ok(Settings {
             outputs: self.outputs()?,
             size: self.size,
             camera,
             backend,
-            raster: self.raster.into(),
+            method: self.method,
             fill: self.fill,
             point_size: self.point_size,
-            shading: Shading { edl_strength: self.edl, ..Default::default() },
+            shading: Shading { edl_strength: self.edl, high_quality: self.hq, ..Default::default() },
             seed: self.seed,
             insertion_points: self.insertion_points,
             stop: self.stop,

@@ -3,7 +3,10 @@
 use clap::ValueEnum;
 
 use crate::{
+    device::Raster,
     headless::Stop,
+    methods,
+    render::{Candidate, GROUP_SIZES, RasterChoice},
     store::MAX_INSERTION_POINTS,
     synth::{Scene, SynthOptions},
 };
@@ -90,6 +93,42 @@ pub fn parse_stop(text: &str) -> Result<Stop, String> {
     }
 }
 
+/// `auto`, or a method that can draw a viewer's pictures, with a workgroup size if need be: `early-z:64`.
+pub fn parse_method(text: &str) -> Result<RasterChoice, String> {
+    if text == "auto" {
+        return Ok(RasterChoice::Auto);
+    }
+    let (name, group) = text.split_once(':').map_or((text, None), |(name, group)| (name, Some(group)));
+    let Some(method) = Raster::ON_GPU.into_iter().find(|method| method.name() == name) else {
+        let names = Raster::ON_GPU.map(Raster::name).join(", ");
+        return Err(match why_not(name) {
+            Some(why) => format!("{why}; here choose auto or one of {names} (`firstlight bench` measures all others)"),
+            None => format!("expected auto or one of {names}, found `{name}`"),
+        });
+    };
+    let mut candidate = Candidate::new(method);
+    if let Some(group) = group {
+        let size = group.parse().ok().filter(|size| GROUP_SIZES.contains(size));
+        if candidate.group_size.is_none() || size.is_none() {
+            return Err(format!("expected :64, :128 or :256 after a method with compute shaders, found `{text}`"));
+        }
+        candidate.group_size = size;
+    }
+    Ok(RasterChoice::Fixed(candidate))
+}
+
+/// Why a method of the table draws no picture that is built up over many frames: that takes, in each pixel,
+/// the point in front and its depth, always.
+fn why_not(name: &str) -> Option<String> {
+    let method = methods::by_name(name)?;
+    Some(match (method.wrong_on_purpose, name) {
+        (Some(how), _) => format!("{name} is wrong on purpose ({how})"),
+        _ if method.blends => format!("{name} blends points, and the next frame needs one in each pixel"),
+        (_, "busy-loop" | "busy-loop-n") => format!("{name} leaves points out where too many wait for a pixel"),
+        _ => format!("{name} keeps colours, and the next frame needs to know which points are visible"),
+    })
+}
+
 /// Strength of eye-dome lighting.
 pub fn parse_strength(text: &str) -> Result<f32, String> {
     match text.parse::<f32>() {
@@ -128,6 +167,33 @@ mod tests {
         }
         for text in ["", "k", "-1", "1.5", "1e6", "1.0005k", "ten", "1M2", ".5M", "+3", "18446744073709551616", "٣"] {
             assert!(parse_count(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn methods_that_a_viewer_can_use() {
+        assert_eq!(parse_method("auto"), Ok(RasterChoice::Auto));
+        for method in Raster::ON_GPU {
+            assert_eq!(parse_method(method.name()), Ok(method.into()));
+        }
+        let small = Candidate { method: Raster::EarlyZ, group_size: Some(64) };
+        assert_eq!(parse_method("early-z:64"), Ok(RasterChoice::Fixed(small)));
+        for (text, why) in [
+            ("just-set", "no depth test"),
+            ("racy", "wrong on purpose"),
+            ("hqs", "blends"),
+            ("hqs1r", "blends"),
+            ("busy-loop", "leaves points out"),
+            ("depth40", "keeps colours"),
+            ("paint", "found `paint`"),
+            ("cpu", "found `cpu`"),
+            ("", "expected auto"),
+            ("early-z:63", ":128"),
+            ("early-z:", ":128"),
+            ("points:64", "compute shaders"),
+        ] {
+            let message = parse_method(text).unwrap_err();
+            assert!(message.contains(why), "{text}: {message}");
         }
     }
 

@@ -6,8 +6,10 @@ use super::shaders;
 use crate::device::RenderError;
 
 /// Features that are used where the adapter has them. None is required: without 64-bit atomics two
-/// 32-bit passes do the work, without timestamps the wall clock is read.
-const WANTED: wgpu::Features = shaders::INT64_ATOMICS.union(wgpu::Features::TIMESTAMP_QUERY);
+/// 32-bit passes do the work, without timestamps the wall clock is read, and without subgroups each
+/// thread works alone.
+const WANTED: wgpu::Features =
+    shaders::INT64_ATOMICS.union(wgpu::Features::TIMESTAMP_QUERY).union(wgpu::Features::SUBGROUP);
 
 /// Features and limits to ask of an adapter: WebGPU's defaults, but buffers as large as they come.
 pub fn descriptor(adapter: &wgpu::Adapter) -> wgpu::DeviceDescriptor<'static> {
@@ -65,7 +67,19 @@ const PATIENCE: Duration = Duration::from_secs(120);
 /// # Errors
 /// [`RenderError::DeviceLost`], also if the device does not answer.
 pub fn wait(device: &wgpu::Device) -> Result<(), RenderError> {
-    let poll = wgpu::PollType::Wait { submission_index: None, timeout: Some(PATIENCE) };
+    poll(device, None)
+}
+
+/// Waits until the work of a submission, and of all before it, is done.
+///
+/// # Errors
+/// As [`wait`].
+pub fn wait_for(device: &wgpu::Device, submission: wgpu::SubmissionIndex) -> Result<(), RenderError> {
+    poll(device, Some(submission))
+}
+
+fn poll(device: &wgpu::Device, submission_index: Option<wgpu::SubmissionIndex>) -> Result<(), RenderError> {
+    let poll = wgpu::PollType::Wait { submission_index, timeout: Some(PATIENCE) };
     match device.poll(poll) {
         Ok(_) => Ok(()),
         Err(error) => Err(RenderError::DeviceLost(format!("no answer within {} s ({error})", PATIENCE.as_secs()))),

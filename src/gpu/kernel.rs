@@ -3,7 +3,7 @@
 use super::device;
 use crate::device::RenderError;
 
-/// Threads in a workgroup of every kernel, as `GROUP` in `shaders/group.wgsl`.
+/// Threads in a workgroup of every kernel that does not say otherwise, as `GROUP` in `shaders/group.wgsl`.
 pub const GROUP: u32 = 256;
 
 /// WebGPU's limit of workgroups per axis.
@@ -98,12 +98,23 @@ pub fn compute(
     entry: &str,
     groups: &[&wgpu::BindGroupLayout],
 ) -> wgpu::ComputePipeline {
+    compute_with(device, module, entry, groups, &[])
+}
+
+/// As [`compute`], with values for the module's overrides.
+pub fn compute_with(
+    device: &wgpu::Device,
+    module: &wgpu::ShaderModule,
+    entry: &str,
+    groups: &[&wgpu::BindGroupLayout],
+    constants: &[(&str, f64)],
+) -> wgpu::ComputePipeline {
     device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
         label: Some(entry),
         layout: Some(&pipeline_layout(device, entry, groups)),
         module,
         entry_point: Some(entry),
-        compilation_options: Default::default(),
+        compilation_options: wgpu::PipelineCompilationOptions { constants, ..Default::default() },
         cache: None,
     })
 }
@@ -134,14 +145,8 @@ pub fn uniform(device: &wgpu::Device, label: &str, size: u64) -> wgpu::Buffer {
     buffer(device, label, size, wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST)
 }
 
-/// Rows of workgroups that have at least `threads` threads, as `line_index` in `shaders/group.wgsl`
-/// numbers them.
-pub fn groups_for(threads: u32) -> [u32; 2] {
-    rows_of(threads.div_ceil(GROUP))
-}
-
-/// Rows of at least so many workgroups.
-fn rows_of(groups: u32) -> [u32; 2] {
+/// Rows of at least so many workgroups, as `line_index` in `shaders/group.wgsl` numbers them.
+pub fn rows_of(groups: u32) -> [u32; 2] {
     let rows = groups.div_ceil(MAX_GROUPS).max(1);
     [groups.div_ceil(rows), rows]
 }
@@ -199,15 +204,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn groups_hold_all_threads_within_the_limit() {
-        let limit = MAX_GROUPS * GROUP;
-        for threads in [0, 1, 255, 256, 257, limit - 1, limit, limit + 1, 2 * limit + 1, 1 << 30, u32::MAX] {
-            let [x, y] = groups_for(threads);
-            assert!(x <= MAX_GROUPS && y <= MAX_GROUPS, "{threads}: {x} x {y}");
-            let room = u64::from(x) * u64::from(y) * u64::from(GROUP);
-            assert!(room >= u64::from(threads), "{threads}: {x} x {y}");
-            let waste = room - u64::from(threads);
-            assert!(waste < u64::from(y + 1) * u64::from(GROUP), "{threads}: {x} x {y}");
+    fn rows_hold_all_groups_within_the_limit() {
+        for groups in [0, 1, MAX_GROUPS - 1, MAX_GROUPS, MAX_GROUPS + 1, 2 * MAX_GROUPS + 1, 1 << 24, 1 << 26] {
+            let [x, y] = rows_of(groups);
+            assert!(x <= MAX_GROUPS && y <= MAX_GROUPS, "{groups}: {x} x {y}");
+            assert!(x * y >= groups && x * y - groups <= y, "{groups}: {x} x {y}");
         }
     }
 }

@@ -10,7 +10,7 @@ pub struct Shader {
 
 impl Shader {
     pub fn source(&self) -> String {
-        self.parts.concat()
+        with_lane(self.parts.concat())
     }
 
     pub fn module(&self, device: &wgpu::Device) -> wgpu::ShaderModule {
@@ -21,7 +21,18 @@ impl Shader {
     }
 }
 
+/// Where `lane.wgsl` is a part, entry points that know their thread set the lane first.
+pub fn with_lane(source: String) -> String {
+    if !source.contains("var<private> lane") {
+        return source;
+    }
+    let thread = "@builtin(local_invocation_index) thread: u32";
+    let lane = "@builtin(subgroup_invocation_id) own_lane: u32";
+    source.replace(&format!("{thread}) {{\n"), &format!("{thread}, {lane}) {{\n    lane = own_lane;\n"))
+}
+
 const NOTHING: wgpu::Features = wgpu::Features::empty();
+const SUBGROUP: wgpu::Features = wgpu::Features::SUBGROUP;
 /// 64-bit minimum and maximum.
 pub const INT64_MIN_MAX: wgpu::Features =
     wgpu::Features::SHADER_INT64.union(wgpu::Features::SHADER_INT64_ATOMIC_MIN_MAX);
@@ -42,27 +53,107 @@ shader!(INSERT, NOTHING, "group", "permutation", "insert");
 shader!(MOVE, NOTHING, "group", "permutation", "page", "move");
 shader!(RELOCATE, NOTHING, "group", "permutation", "relocate");
 shader!(CLEAR, NOTHING, "group", "project", "clear");
-shader!(RASTER_64, INT64_MIN_MAX, "group", "page", "project", "points", "put_64", "early", "plot_early", "raster");
-shader!(RASTER_64_MIN, INT64_MIN_MAX, "group", "page", "project", "points", "put_64", "plot_each", "raster");
-shader!(RASTER_DEPTH_32, NOTHING, "group", "page", "project", "points", "early", "plot_depth_32", "raster");
-shader!(RASTER_SLOT_32, NOTHING, "group", "page", "project", "points", "early", "plot_slot_32", "raster");
+shader!(
+    EARLY_Z,
+    INT64_MIN_MAX,
+    "group",
+    "page",
+    "project",
+    "points",
+    "put_64",
+    "early",
+    "plot_early",
+    "raster",
+    "span"
+);
+shader!(ATOMIC_MIN, INT64_MIN_MAX, "group", "page", "project", "points", "put_64", "plot_each", "raster", "span");
+shader!(
+    REDUCE,
+    INT64_MIN_MAX.union(SUBGROUP),
+    "group",
+    "page",
+    "project",
+    "points",
+    "put_64",
+    "lane",
+    "subgroup",
+    "reduce",
+    "plot_reduce",
+    "raster",
+    "span"
+);
+shader!(
+    REDUCE_EARLY_Z,
+    INT64_MIN_MAX.union(SUBGROUP),
+    "group",
+    "page",
+    "project",
+    "points",
+    "put_64",
+    "early",
+    "lane",
+    "subgroup",
+    "reduce",
+    "plot_reduce_early",
+    "raster",
+    "span"
+);
+shader!(
+    DEDUP,
+    INT64_MIN_MAX.union(SUBGROUP),
+    "group",
+    "page",
+    "project",
+    "points",
+    "put_64",
+    "subgroup",
+    "dedup",
+    "raster",
+    "span"
+);
+shader!(DEPTH_32, NOTHING, "group", "page", "project", "points", "early", "plot_depth_32", "raster", "span");
+shader!(SLOT_32, NOTHING, "group", "page", "project", "points", "early", "plot_slot_32", "raster", "span");
 shader!(HARDWARE, NOTHING, "page", "project", "points", "hardware");
 shader!(INDEX, NOTHING, "group", "project", "index");
-shader!(RESOLVE, NOTHING, "group", "page", "project", "points", "resolve");
+shader!(RESOLVE, NOTHING, "group", "page", "project", "points", "color", "resolve");
+shader!(AVERAGE_32, NOTHING, "group", "page", "project", "points", "color", "sums_32", "average");
+shader!(AVERAGE_64, INT64_ATOMICS, "group", "page", "project", "points", "color", "sums_64", "average");
+shader!(RESOLVE_32, NOTHING, "group", "page", "project", "points", "color", "resolve", "sums_32", "resolve_average");
+shader!(
+    RESOLVE_64,
+    INT64_ATOMICS,
+    "group",
+    "page",
+    "project",
+    "points",
+    "color",
+    "resolve",
+    "sums_64",
+    "resolve_average"
+);
 shader!(LIGHT, NOTHING, "group", "project", "light");
+shader!(COPY, NOTHING, "group", "methods/copy");
 
 /// All modules, for the tests.
-pub const ALL: [&Shader; 12] = [
+pub const ALL: [&Shader; 20] = [
     &INSERT,
     &MOVE,
     &RELOCATE,
     &CLEAR,
-    &RASTER_64,
-    &RASTER_64_MIN,
-    &RASTER_DEPTH_32,
-    &RASTER_SLOT_32,
+    &EARLY_Z,
+    &ATOMIC_MIN,
+    &REDUCE,
+    &REDUCE_EARLY_Z,
+    &DEDUP,
+    &DEPTH_32,
+    &SLOT_32,
     &HARDWARE,
     &INDEX,
     &RESOLVE,
+    &AVERAGE_32,
+    &AVERAGE_64,
+    &RESOLVE_32,
+    &RESOLVE_64,
     &LIGHT,
+    &COPY,
 ];

@@ -6,7 +6,7 @@ use std::{
 };
 
 use super::{device, kernel};
-use crate::device::PassTimes;
+use crate::device::{PassTimes, Passes};
 
 /// A stage of a frame, as in [`PassTimes`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -16,10 +16,12 @@ pub enum Stage {
     Fresh,
     Fill,
     Index,
+    Average,
+    AverageFill,
     Resolve,
 }
 
-/// Passes that one frame may time; the hardware rasterizer needs the most, 10.
+/// Passes that one frame may time; the hardware rasterizer with high-quality shading needs the most, 13.
 const MAX_SPANS: usize = 16;
 /// Frames whose times may be on their way back.
 const IN_FLIGHT: usize = 3;
@@ -44,11 +46,14 @@ enum Clock {
 pub struct Work {
     pub fill_points: u32,
     pub insertions: u32,
+    pub average_points: u32,
+    pub passes: Passes,
 }
 
 impl Work {
     fn times(self) -> PassTimes {
-        PassTimes { fill_points: self.fill_points, insertions: self.insertions, ..Default::default() }
+        let Work { fill_points, insertions, average_points, passes } = self;
+        PassTimes { fill_points, insertions, average_points, passes, ..Default::default() }
     }
 }
 
@@ -223,6 +228,8 @@ impl FrameTimer {
                             Stage::Fresh => &mut times.fresh,
                             Stage::Fill => &mut times.fill,
                             Stage::Index => &mut times.index,
+                            Stage::Average => &mut times.average,
+                            Stage::AverageFill => &mut times.average_fill,
                             Stage::Resolve => &mut times.resolve,
                         } += secs;
                     }

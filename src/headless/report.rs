@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::settings::Settings;
 use crate::{
-    render::{BackendInfo, Camera},
+    render::{BackendInfo, Camera, Choice},
     scene::{Bounds, Grid, SceneFacts},
     source::{SourceReport, ThreadTimes},
 };
@@ -35,7 +35,10 @@ pub struct Report {
     pub brute_force: bool,
     /// "gpu" or "cpu".
     pub backend: &'static str,
-    pub rasterizer: String,
+    /// How points became pixels: a method's name as in `firstlight bench --list`, or "cpu".
+    pub method: String,
+    /// What speaks for the method: the speeds of all that were measured. Null on the CPU backend.
+    pub choice: Option<Choice>,
     pub adapter: String,
     /// "vulkan", "metal", "dx12" or "cpu".
     pub api: String,
@@ -53,6 +56,10 @@ pub struct Report {
     pub size_px: [u32; 2],
     pub point_size_px: u32,
     pub edl_strength: f32,
+    /// How colours were summed up for high-quality shading, "hqs1r" or "hqs"; null without it.
+    pub high_quality: Option<String>,
+    /// Points whose colours the averages of high-quality shading hold.
+    pub points_averaged: u64,
     /// `world = origin + scale * i`; what all positions lie on.
     pub grid: Option<Grid>,
     /// Union of the headers' boxes, in the file's own coordinates.
@@ -224,7 +231,8 @@ impl Report {
             stop: settings.stop.to_string(),
             brute_force: settings.brute_force,
             backend,
-            rasterizer: info.raster.to_string(),
+            method: info.method.to_string(),
+            choice: info.choice.clone(),
             adapter: info.adapter.clone(),
             api: info.api.clone(),
             driver: info.driver.clone(),
@@ -236,6 +244,8 @@ impl Report {
             size_px: settings.size,
             point_size_px: settings.point_size,
             edl_strength: settings.shading.edl_strength,
+            high_quality: None,
+            points_averaged: 0,
             grid: None,
             bounds: None,
             seconds: Seconds::default(),

@@ -44,7 +44,7 @@ pub fn render(settings: &Settings) -> Result<Report, HeadlessError> {
     let slow_read = matches!(settings.stop, Stop::Frames(_) | Stop::Points(_)).then_some(Duration::MAX);
     let stream =
         source::open(&settings.inputs, OpenOptions { threads: settings.threads, slow_read, ..Default::default() });
-    let (backend, backend_name, notes) = make_backend(settings.backend, settings.raster, settings.threads)?;
+    let (backend, backend_name, notes) = make_backend(settings.backend, settings.method, settings.threads)?;
     let mut report = Report::new(settings, backend.info(), backend_name);
     report.notes = notes;
 
@@ -56,6 +56,7 @@ pub fn render(settings: &Settings) -> Result<Report, HeadlessError> {
         tally: Tally::default(),
         source: None,
         out_of_memory: false,
+        depths_are_final: false,
         progress: Progress::new(settings.progress),
         seconds: Seconds::default(),
         report,
@@ -75,20 +76,20 @@ type AnyBackend = Box<dyn Backend>;
 /// The backend asked for, its name, and notes for the user on how it was chosen.
 ///
 /// # Errors
-/// If a GPU is asked for, by name or by one of its rasterizers, and none can do the work.
+/// If a GPU is asked for, by name or by one of its methods, and none can do the work.
 pub fn make_backend(
     backend: BackendChoice,
-    raster: RasterChoice,
+    method: RasterChoice,
     threads: Option<usize>,
 ) -> Result<(AnyBackend, &'static str, Vec<String>), RenderError> {
     let cpu = || Box::new(CpuBackend::new(threads));
     if backend == BackendChoice::Cpu {
         return Ok((cpu(), "cpu", Vec::new()));
     }
-    match GpuBackend::headless(raster) {
+    match GpuBackend::headless(method) {
         Ok(gpu) => Ok((Box::new(gpu), "gpu", Vec::new())),
-        // Whoever names one of the GPU's rasterizers wants that one.
-        Err(error) if backend == BackendChoice::Auto && raster == RasterChoice::Auto => {
+        // Whoever names one of the GPU's methods wants that one.
+        Err(error) if backend == BackendChoice::Auto && method == RasterChoice::Auto => {
             Ok((cpu(), "cpu", vec![format!("{error}; drawn on the processor")]))
         }
         Err(error) => Err(error),
@@ -105,6 +106,8 @@ struct Run<'a> {
     /// Known once all is read.
     source: Option<SourceReport>,
     out_of_memory: bool,
+    /// Only averages are missing, if they were asked for.
+    depths_are_final: bool,
     progress: Progress,
     seconds: Seconds,
     report: Report,
@@ -121,6 +124,8 @@ impl Run<'_> {
         loop {
             self.take_events(&stream)?;
             let Some(request) = self.request else { continue };
+            let final_request = request;
+            let request = self.without_early_averages(request);
             let frame = match self.progressive.frame(&request) {
                 Err(error @ RenderError::OutOfMemory { .. }) if !self.out_of_memory => {
                     self.out_of_memory = true;
@@ -132,9 +137,18 @@ impl Run<'_> {
             self.progressive.spent().for_each(|batch| stream.recycle(batch));
             self.note_frame(&frame)?;
             if self.is_done(&frame) {
-                return if self.settings.brute_force { self.draw_brute_force(&request) } else { Ok(frame) };
+                return if self.settings.brute_force { self.draw_brute_force(&final_request) } else { Ok(frame) };
             }
+            self.depths_are_final = self.progressive.is_loaded() && frame.has_all_depths();
         }
+    }
+
+    /// Nobody sees the frames before the last, so that averages wait until they can stay: unless the run
+    /// stops at a given frame, which is to be what a viewer shows.
+    fn without_early_averages(&self, mut request: FrameRequest) -> FrameRequest {
+        let counts_frames = matches!(self.settings.stop, Stop::Frames(_));
+        request.shading.high_quality &= counts_frames || self.depths_are_final;
+        request
     }
 
     /// Waits for as many points as the next frame can take, so that every run draws the same frames,
@@ -215,7 +229,7 @@ impl Run<'_> {
         match self.settings.stop {
             _ if self.settings.brute_force => loaded,
             Stop::Frames(frames) if self.report.frames >= frames => true,
-            _ => loaded && frame.is_converged(),
+            _ => loaded && frame.is_converged() && frame.high_quality == self.settings.shading.high_quality,
         }
     }
 
@@ -231,6 +245,10 @@ impl Run<'_> {
             self.seconds.to_converged = self.seconds.to_picture;
         }
         let mut report = self.report;
+        // What was measured in the meantime.
+        let info = self.progressive.backend().info();
+        report.method = info.method.to_string();
+        report.choice.clone_from(&info.choice);
         report.files = file_entries(self.facts.as_deref(), &self.tally, self.source.as_ref());
         report.points_in_header = report.files.iter().map(|f| f.points_in_header).sum();
         report.points_decoded = report.files.iter().map(|f| f.points_decoded).sum();
@@ -251,6 +269,10 @@ impl Run<'_> {
         if let Some(source) = &self.source {
             report.reader_memory_bound_bytes = Some(source.memory_bound_bytes);
             report.reader_threads.clone_from(&source.threads);
+        }
+        if last.high_quality {
+            report.high_quality = Some(self.progressive.backend().sums().to_string());
+            report.points_averaged = last.points_averaged;
         }
         report.picture_sha256 = picture_sha256(picture);
         report

@@ -57,7 +57,7 @@ pub struct Settings {
     /// By default the whole scene, from the south and above.
     pub camera: Option<Camera>,
     pub backend: BackendChoice,
-    pub raster: RasterChoice,
+    pub method: RasterChoice,
     /// Points that each frame's fill tries; by default [`CONVERGE_FILL`] or [`COUNTED_FILL`].
     pub fill: Option<u32>,
     /// Width of a point, pixels.

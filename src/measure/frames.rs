@@ -15,7 +15,7 @@ use crate::{
     headless::default_camera,
     render::{
         Backend, BackendInfo, Camera, FillBudget, FrameRequest, PassTimes, Progressive, RenderError, Shading,
-        StoreOptions,
+        StoreOptions, Sums,
     },
     scene::SceneFacts,
     source::SourceError,
@@ -32,6 +32,7 @@ pub struct BenchFrames {
     pub at: Vec<u64>,
     /// Frames to time at each.
     pub frames: u32,
+    pub high_quality: bool,
 }
 
 /// Frame times, milliseconds, in the order they were drawn.
@@ -57,6 +58,8 @@ pub struct Level {
     pub loading: Samples,
     /// Frames drawn with loading paused and the camera in motion.
     pub moving: Samples,
+    /// Frames drawn after that with the camera at rest, until the picture has converged.
+    pub resting: Samples,
     /// Frames that draw all points at once.
     pub brute_force: Samples,
     /// Points that the last moving frame tried.
@@ -76,6 +79,8 @@ pub struct BenchFramesReport {
     pub inputs: Vec<String>,
     pub size_px: [u32; 2],
     pub point_size_px: u32,
+    /// How colours were summed up for high-quality shading; none without it.
+    pub high_quality: Option<Sums>,
     pub seed: u64,
     /// Points per second of the reader alone, without a GPU; only for files.
     pub decoded_points_per_sec: Option<f64>,
@@ -116,6 +121,7 @@ pub fn bench_frames(
     started: Instant,
 ) -> Result<BenchFramesReport, BenchError> {
     let info = backend.info().clone();
+    let backend_sums = backend.sums();
     let options = StoreOptions { seed: settings.seed, ..Default::default() };
     let mut run = Run { settings, progressive: Progressive::new(backend, options), scene: None, frame: 0 };
     let mut report = BenchFramesReport {
@@ -124,6 +130,7 @@ pub fn bench_frames(
         inputs: vec![],
         size_px: settings.size,
         point_size_px: settings.point_size,
+        high_quality: settings.high_quality.then_some(backend_sums),
         seed: settings.seed,
         decoded_points_per_sec,
         secs_to_first_picture: 0.0,
@@ -174,6 +181,7 @@ pub fn bench_frames(
             paused_secs += pause.elapsed().as_secs_f64();
         }
         if done {
+            report.backend.clone_from(run.progressive.backend().info());
             return if points > 0 { Ok(report) } else { Err(BenchError::NoPoints) };
         }
     }
@@ -186,7 +194,8 @@ impl Run<'_> {
         let camera = camera.turned(self.frame.into());
         self.frame += 1;
         let view = camera.view(&facts.grid, self.settings.size, self.settings.point_size)?;
-        Ok(Some(FrameRequest { view, fill: self.settings.fill, shading: Shading::default() }))
+        let shading = Shading { high_quality: self.settings.high_quality, ..Default::default() };
+        Ok(Some(FrameRequest { view, fill: self.settings.fill, shading }))
     }
 
     /// Draws the next frame to its end. Without points there is nothing to time.
@@ -203,7 +212,25 @@ impl Run<'_> {
         Ok(())
     }
 
+    /// Frames of a still camera until nothing is left to draw.
+    fn come_to_rest(&mut self) -> Result<Samples, BenchError> {
+        let mut samples = Samples::default();
+        let Some(request) = self.request()? else { return Ok(samples) };
+        loop {
+            let start = Instant::now();
+            let drawn = self.progressive.frame(&request)?.drawn;
+            self.progressive.backend_mut().wait()?;
+            if !drawn {
+                return Ok(samples);
+            }
+            samples.wall_ms.push(start.elapsed().as_secs_f64() * 1e3);
+            samples.passes.extend(self.progressive.last_pass_times());
+        }
+    }
+
     fn level(&mut self, loading: Samples, loaded_secs: f64) -> Result<Level, BenchError> {
+        // Not in a frame that is timed.
+        self.progressive.backend_mut().choose()?;
         // The same views at every level.
         self.frame = 0;
         let mut moving = Samples::default();
@@ -211,6 +238,7 @@ impl Run<'_> {
             self.draw(&mut moving)?;
         }
         let fill_points = self.progressive.last_pass_times().map_or(0, |times| times.fill_points);
+        let resting = self.come_to_rest()?;
         let mut brute_force = Samples::default();
         for _ in 0..3 {
             let Some(request) = self.request()? else { break };
@@ -223,7 +251,7 @@ impl Run<'_> {
         let picture = self.progressive.read()?;
         let covered_pixels = picture.records.iter().filter(|&&record| record >= 0).count() as u64;
         let points = self.progressive.points_stored();
-        Ok(Level { points, loading, moving, brute_force, fill_points, covered_pixels, loaded_secs })
+        Ok(Level { points, loading, moving, resting, brute_force, fill_points, covered_pixels, loaded_secs })
     }
 }
 
@@ -236,11 +264,12 @@ pub fn markdown(report: &BenchFramesReport) -> String {
         let _ = writeln!(out, "{text}");
     };
     line(format!(
-        "{} ({}), {} rasterizer, {width}x{height}, {} px points; {}",
+        "{} ({}), {}, {width}x{height}, {} px points{}; {}",
         report.backend.adapter,
         report.backend.api,
-        report.backend.raster,
+        report.backend.method,
         report.point_size_px,
+        report.high_quality.map(|sums| format!(", high quality ({sums})")).unwrap_or_default(),
         report.inputs.join(", ")
     ));
     line(format!("first picture after {:.2} s", report.secs_to_first_picture));
@@ -248,17 +277,19 @@ pub fn markdown(report: &BenchFramesReport) -> String {
         line(format!("reader alone: {:.1} million points/s", rate * 1e-6));
     }
     line(String::new());
-    line("| points loaded | pixels covered | frame, ms (median) | 99th percentile | on the device | points tried | while loading, ms (median) | 99th percentile | all points at once, ms | loaded after, s |".into());
-    line("|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|".into());
+    line("| points loaded | pixels covered | frame, ms (median) | 99th percentile | on the device | points tried | at rest, frames | ms in all | while loading, ms (median) | 99th percentile | all points at once, ms | loaded after, s |".into());
+    line("|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|".into());
     for level in &report.levels {
         line(format!(
-            "| {:.1} M | {:.2} M | {:.1} | {:.1} | {:.1} | {:.2} M | {:.1} | {:.1} | {:.1} | {:.2} |",
+            "| {:.1} M | {:.2} M | {:.1} | {:.1} | {:.1} | {:.2} M | {} | {:.1} | {:.1} | {:.1} | {:.1} | {:.2} |",
             level.points as f64 * 1e-6,
             level.covered_pixels as f64 * 1e-6,
             quantile(&level.moving.wall_ms, 0.5),
             quantile(&level.moving.wall_ms, 0.99),
             quantile(&level.moving.device_ms(), 0.5),
             f64::from(level.fill_points) * 1e-6,
+            level.resting.wall_ms.len(),
+            level.resting.wall_ms.iter().sum::<f64>(),
             quantile(&level.loading.wall_ms, 0.5),
             quantile(&level.loading.wall_ms, 0.99),
             quantile(&level.brute_force.wall_ms, 0.5),

@@ -1,6 +1,6 @@
 //! Points in the order to measure, and their encodings in memory.
 
-use super::MethodError;
+use super::{MethodError, parallel::extent};
 
 /// Points in the order to measure.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -13,7 +13,8 @@ pub struct Cloud {
 }
 
 /// How a position lies in memory.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Encoding {
     /// 16 bytes: three 32-bit integers and the colour.
     Wide,
@@ -23,6 +24,14 @@ pub enum Encoding {
 }
 
 impl Encoding {
+    /// As the command line calls it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Encoding::Wide => "wide",
+            Encoding::Packed => "packed",
+        }
+    }
+
     /// Bytes of a point in the buffer that every geometry pass reads.
     pub fn bytes(self) -> u64 {
         match self {
@@ -67,29 +76,51 @@ impl Packing {
     }
 }
 
-impl Cloud {
-    /// Lowest and highest corner, or the origin twice if there are no points.
+/// A cloud, and the order in which its points lie on the device. The cloud itself is not moved: at a
+/// billion points a second copy of it would be 16 GB.
+#[derive(Debug, Clone, Copy)]
+pub struct Arranged<'a> {
+    pub cloud: &'a Cloud,
+    /// Slot → point; may leave points out. Without it, all points lie as they are.
+    pub order: Option<&'a [u32]>,
+}
+
+impl<'a> From<&'a Cloud> for Arranged<'a> {
+    fn from(cloud: &'a Cloud) -> Arranged<'a> {
+        Arranged { cloud, order: None }
+    }
+}
+
+impl Arranged<'_> {
+    /// Lowest and highest corner of the cloud, or the origin twice if it has no points.
     pub fn extent(&self) -> [[i32; 3]; 2] {
-        let first = self.positions.first().copied().unwrap_or_default();
-        self.positions.iter().fold([first; 2], |[low, high], p| {
-            [std::array::from_fn(|a| low[a].min(p[a])), std::array::from_fn(|a| high[a].max(p[a]))]
-        })
+        extent(&self.cloud.positions).map_or([[0; 3]; 2], |(low, high)| [low, high])
     }
 
-    /// Words of `range` as they are uploaded: points, and colours if those lie apart.
-    pub(super) fn words(&self, range: std::ops::Range<usize>, packing: Option<&Packing>) -> (Vec<u32>, Vec<u32>) {
-        let points = self.positions[range.clone()].iter();
-        let colors = &self.colors[range];
-        match packing {
-            None => {
-                let words = points.zip(colors).flat_map(|(p, &color)| [p[0] as u32, p[1] as u32, p[2] as u32, color]);
-                (words.collect(), Vec::new())
-            }
-            Some(packing) => {
-                let words = points.map(|&p| packing.pack(p)).flat_map(|word| [word as u32, (word >> 32) as u32]);
-                (words.collect(), colors.to_vec())
-            }
-        }
+    /// Number of slots.
+    pub fn len(&self) -> usize {
+        self.order.map_or(self.cloud.positions.len(), <[u32]>::len)
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The point in a slot.
+    ///
+    /// # Panics
+    /// If there is no such slot.
+    pub fn point(&self, slot: usize) -> usize {
+        self.order.map_or(slot, |order| order[slot] as usize)
+    }
+
+    /// The position in a slot, if there is such a slot.
+    pub fn position(&self, slot: usize) -> Option<[i32; 3]> {
+        let point = match self.order {
+            Some(order) => *order.get(slot)? as usize,
+            None => slot,
+        };
+        self.cloud.positions.get(point).copied()
     }
 }
 
@@ -100,7 +131,7 @@ mod tests {
     #[test]
     fn bits_are_those_of_the_box() {
         let bits = |positions: &[[i32; 3]]| {
-            Packing::of(Cloud { positions: positions.to_vec(), colors: vec![] }.extent()).map(|p| p.bits)
+            Packing::of(extent(positions).map_or([[0; 3]; 2], |(low, high)| [low, high])).map(|p| p.bits)
         };
         assert_eq!(bits(&[]).unwrap_or([9; 3]), [0, 0, 0]);
         assert_eq!(bits(&[[5, -5, i32::MIN]]).unwrap_or([9; 3]), [0, 0, 0]);

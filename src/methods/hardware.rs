@@ -56,25 +56,33 @@ impl Textures {
         }
     }
 
-    /// Clears the textures and draws all points.
-    pub fn draw(
+    /// Draws points, page by page or part by part, after clearing the textures if these are a frame's first.
+    pub fn draw<'p>(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         targets: &Targets,
-        pages: &Pages,
+        parts: impl Iterator<Item = (&'p wgpu::BindGroup, u32)>,
+        is_first: bool,
         timestamp_writes: Option<wgpu::RenderPassTimestampWrites<'_>>,
     ) {
+        let clear = wgpu::LoadOp::Clear(wgpu::Color::BLACK);
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("points"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
                 view: &self.slots,
                 depth_slice: None,
                 resolve_target: None,
-                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Store },
+                ops: wgpu::Operations {
+                    load: if is_first { clear } else { wgpu::LoadOp::Load },
+                    store: wgpu::StoreOp::Store,
+                },
             })],
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
                 view: &self.depths,
-                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(1.0), store: wgpu::StoreOp::Store }),
+                depth_ops: Some(wgpu::Operations {
+                    load: if is_first { wgpu::LoadOp::Clear(1.0) } else { wgpu::LoadOp::Load },
+                    store: wgpu::StoreOp::Store,
+                }),
                 stencil_ops: None,
             }),
             timestamp_writes,
@@ -83,9 +91,9 @@ impl Textures {
         });
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &targets.bind_view, &[]);
-        for page in &pages.pages {
-            pass.set_bind_group(1, &page.bind, &[]);
-            pass.draw(0..page.len, 0..1);
+        for (bind, len) in parts {
+            pass.set_bind_group(1, bind, &[]);
+            pass.draw(0..len, 0..1);
         }
     }
 }

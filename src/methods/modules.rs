@@ -4,7 +4,7 @@
 use super::{Launch, cloud::Encoding};
 use crate::gpu::{
     kernel::GROUP,
-    shaders::{INT64_ATOMICS, INT64_MIN_MAX},
+    shaders::{INT64_ATOMICS, INT64_MIN_MAX, with_lane},
 };
 
 /// An entry point of a module.
@@ -25,7 +25,6 @@ macro_rules! wgsl {
 
 const EACH: &str = wgsl!("methods/each");
 const READ_FOUR: &str = wgsl!("methods/read");
-const LANE: &str = wgsl!("methods/lane");
 const PRELUDE: [&str; 3] = [wgsl!("group"), wgsl!("project"), wgsl!("methods/page")];
 
 impl Kernel {
@@ -35,19 +34,8 @@ impl Kernel {
             Encoding::Wide => wgsl!("methods/load_wide"),
             Encoding::Packed => wgsl!("methods/load_packed"),
         };
-        let fill_in = |&part: &&'static str| if part == EACH { self.entry_for_points(launch) } else { part.into() };
-        PRELUDE.concat() + load + &self.parts.iter().map(fill_in).collect::<String>()
-    }
-
-    fn entry_for_points(&self, launch: Launch) -> String {
-        let entry = launch.fill_in(EACH);
-        if !self.parts.contains(&LANE) {
-            return entry;
-        }
-        let parameter = "@builtin(local_invocation_index) thread: u32";
-        entry
-            .replace(parameter, &format!("{parameter}, @builtin(subgroup_invocation_id) own_lane: u32"))
-            .replace("    let first = block_of", "    lane = own_lane;\n    let first = block_of")
+        let fill_in = |&part: &&'static str| if part == EACH { launch.fill_in(EACH) } else { part.into() };
+        with_lane(PRELUDE.concat() + load + &self.parts.iter().map(fill_in).collect::<String>())
     }
 
     /// Workgroups for so many points or pixels.
@@ -78,30 +66,20 @@ const MIN_IN_SUBGROUPS: wgpu::Features = INT64_MIN_MAX.union(wgpu::Features::SUB
 kernel!(JUST_SET, "draw", NOTHING, "methods/plot_just_set", "methods/each");
 kernel!(ATOMIC_MIN, "draw", INT64_MIN_MAX, "put_64", "plot_each", "methods/each");
 kernel!(EARLY_Z, "draw", INT64_MIN_MAX, "put_64", "early", "plot_early", "methods/each");
-kernel!(
-    REDUCE,
-    "draw",
-    MIN_IN_SUBGROUPS,
-    "put_64",
-    "methods/lane",
-    "methods/subgroup",
-    "methods/reduce",
-    "methods/plot_reduce",
-    "methods/each"
-);
+kernel!(REDUCE, "draw", MIN_IN_SUBGROUPS, "put_64", "lane", "subgroup", "reduce", "plot_reduce", "methods/each");
 kernel!(
     REDUCE_EARLY_Z,
     "draw",
     MIN_IN_SUBGROUPS,
     "put_64",
     "early",
-    "methods/lane",
-    "methods/subgroup",
-    "methods/reduce",
-    "methods/plot_reduce_early",
+    "lane",
+    "subgroup",
+    "reduce",
+    "plot_reduce_early",
     "methods/each"
 );
-kernel!(DEDUP, "draw", MIN_IN_SUBGROUPS, "put_64", "methods/subgroup", "methods/dedup", "methods/each");
+kernel!(DEDUP, "draw", MIN_IN_SUBGROUPS, "put_64", "subgroup", "dedup", "methods/each");
 kernel!(BUSY_LOOP, "draw", NOTHING, "methods/depth_clip", "methods/plot_busy_loop", "methods/each");
 kernel!(BUSY_LOOP_N, "draw", NOTHING, "methods/depth_normalized", "methods/plot_busy_loop", "methods/each");
 kernel!(RACY, "draw", NOTHING, "methods/plot_racy", "methods/each");

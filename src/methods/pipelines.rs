@@ -19,10 +19,13 @@ const SOFTWARE_SPINS: u32 = 1 << 20;
 /// All pipelines of one encoding.
 pub struct Pipelines {
     encoding: Encoding,
-    made: HashMap<&'static str, wgpu::ComputePipeline>,
+    /// By kernel, and by whether they are for views that are near.
+    made: HashMap<(&'static str, bool), wgpu::ComputePipeline>,
     spins: u32,
     packing: Option<Packing>,
     pub launch: Launch,
+    /// [`crate::render::View::is_near`] of the cloud's box.
+    pub is_near: bool,
 }
 
 impl Pipelines {
@@ -30,7 +33,7 @@ impl Pipelines {
     pub fn new(packing: Option<Packing>, is_software: bool) -> Pipelines {
         let spins = if is_software { SOFTWARE_SPINS } else { SPINS };
         let encoding = if packing.is_some() { Encoding::Packed } else { Encoding::Wide };
-        Pipelines { encoding, made: HashMap::new(), spins, packing, launch: Launch::default() }
+        Pipelines { encoding, made: HashMap::new(), spins, packing, launch: Launch::tuned(encoding), is_near: false }
     }
 
     /// What a module of points is compiled with.
@@ -48,10 +51,11 @@ impl Pipelines {
 
     /// Makes a kernel's pipeline if it is not there yet.
     pub fn make(&mut self, device: &wgpu::Device, kernel: &'static Kernel, groups: &[&wgpu::BindGroupLayout]) {
-        if self.made.contains_key(kernel.name) {
+        if self.get(kernel).is_some() {
             return;
         }
         let mut constants = self.constants();
+        constants.push(("IS_NEAR", f64::from(u8::from(self.is_near))));
         if [modules::BUSY_LOOP.name, modules::BUSY_LOOP_N.name].contains(&kernel.name) {
             constants.push(("spins", f64::from(self.spins)));
         }
@@ -63,11 +67,21 @@ impl Pipelines {
             compilation_options: wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() },
             cache: None,
         });
-        self.made.insert(kernel.name, pipeline);
+        self.made.insert((kernel.name, self.is_near), pipeline);
     }
 
     pub fn get(&self, kernel: &Kernel) -> Option<&wgpu::ComputePipeline> {
-        self.made.get(kernel.name)
+        self.made.get(&(kernel.name, self.is_near))
+    }
+
+    /// For another cloud in the same encoding; says whether pipelines must be made anew.
+    pub fn set_packing(&mut self, packing: Option<Packing>) -> bool {
+        let is_other = self.packing.map(|old| old.bits) != packing.map(|new| new.bits);
+        self.packing = packing;
+        if is_other {
+            self.made.clear();
+        }
+        is_other
     }
 
     pub fn set_launch(&mut self, launch: Launch) {
@@ -77,7 +91,6 @@ impl Pipelines {
 
     pub fn set_spins(&mut self, spins: u32) {
         self.spins = spins;
-        self.made.remove(modules::BUSY_LOOP.name);
-        self.made.remove(modules::BUSY_LOOP_N.name);
+        self.made.clear();
     }
 }

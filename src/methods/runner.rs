@@ -1,7 +1,7 @@
 //! Draws and times methods on a cloud that is on the device.
 
 use super::{
-    Cloud, Drawn, Encoding, FrameTime, Gpu, Launch, Method, MethodError, NO_POINT, depth40,
+    Arranged, Cloud, Drawn, Encoding, FrameTime, Gpu, Launch, Method, MethodError, NO_POINT, depth40,
     hardware::Textures,
     modules::{self, Kernel},
     pages::Pages,
@@ -14,7 +14,7 @@ use crate::{gpu::kernel, render::View};
 
 /// A cloud on a device, and a picture's worth of targets.
 pub struct Runner {
-    pub(super) gpu: Gpu,
+    pub(crate) gpu: Gpu,
     encoding: Encoding,
     pub(super) pages: Pages,
     pub(super) targets: Targets,
@@ -27,7 +27,12 @@ impl Runner {
     /// # Errors
     /// A cloud that does not fit the encoding, or 32-bit numbers, or the device's memory; a picture
     /// without pixels or with too many.
-    pub fn new(gpu: &Gpu, cloud: &Cloud, encoding: Encoding, size: [u32; 2]) -> Result<Runner, MethodError> {
+    pub fn new<'a>(
+        gpu: &Gpu,
+        cloud: impl Into<Arranged<'a>>,
+        encoding: Encoding,
+        size: [u32; 2],
+    ) -> Result<Runner, MethodError> {
         Runner::with_pages(gpu, cloud, encoding, size, None)
     }
 
@@ -35,14 +40,14 @@ impl Runner {
     ///
     /// # Errors
     /// As [`Runner::new`].
-    pub fn with_pages(
+    pub fn with_pages<'a>(
         gpu: &Gpu,
-        cloud: &Cloud,
+        cloud: impl Into<Arranged<'a>>,
         encoding: Encoding,
         size: [u32; 2],
         page_points: Option<u32>,
     ) -> Result<Runner, MethodError> {
-        let pages = Pages::new(&gpu.device, &gpu.queue, cloud, encoding, page_points)?;
+        let pages = Pages::new(&gpu.device, &gpu.queue, cloud.into(), encoding, page_points)?;
         Ok(Runner {
             targets: Targets::new(&gpu.device, size)?,
             pipelines: Pipelines::new(pages.packing, gpu.is_software()),
@@ -50,6 +55,30 @@ impl Runner {
             gpu: gpu.clone(),
             encoding,
         })
+    }
+
+    /// Another cloud, or the same in another order, with the pipelines and targets that are there. The old cloud's
+    /// memory is free before the new one's is taken.
+    ///
+    /// # Errors
+    /// As [`Runner::new`]; there is no cloud then.
+    pub fn load<'a>(&mut self, cloud: impl Into<Arranged<'a>>) -> Result<(), MethodError> {
+        self.unload()?;
+        self.pages = Pages::new(&self.gpu.device, &self.gpu.queue, cloud.into(), self.encoding, None)?;
+        if self.pipelines.set_packing(self.pages.packing) {
+            self.targets.textures = None;
+        }
+        Ok(())
+    }
+
+    /// Frees the cloud's memory; what is drawn then is empty.
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn unload(&mut self) -> Result<(), MethodError> {
+        let nothing = Cloud::default();
+        self.pages = Pages::new(&self.gpu.device, &self.gpu.queue, (&nothing).into(), self.encoding, None)?;
+        Ok(())
     }
 
     /// Points of the cloud.
@@ -62,13 +91,17 @@ impl Runner {
         self.encoding.bytes()
     }
 
+    pub fn encoding(&self) -> Encoding {
+        self.encoding
+    }
+
     /// Turns of the busy loop before a point gives up; 4,096 unless told, 2²⁰ on a software rasterizer, where
     /// a thread that holds a lock may be off its core.
     pub fn set_spins(&mut self, spins: u32) {
         self.pipelines.set_spins(spins);
     }
 
-    /// How the kernels that draw points are launched; [`Launch::TUNED`] unless told.
+    /// How the kernels that draw points are launched; [`Launch::tuned`] unless told.
     pub fn set_launch(&mut self, launch: Launch) {
         self.pipelines.set_launch(launch);
         // They have the hardware's pipeline, and its module the launch.
@@ -92,6 +125,11 @@ impl Runner {
         self.gpu.queue.write_buffer(&self.targets.counters, 0, &[0; 8]);
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         self.record(&mut encoder, method.plan, None);
+        self.read_back(encoder, method)
+    }
+
+    /// Runs the encoder's commands, finds out which points are shown, and reads the picture back.
+    pub(super) fn read_back(&self, mut encoder: wgpu::CommandEncoder, method: &Method) -> Result<Drawn, MethodError> {
         self.record_identify(&mut encoder, method.plan);
         let targets = &self.targets;
         let buffers = [&targets.words, &targets.accumulators, &targets.rgba, &targets.counters];
@@ -127,9 +165,11 @@ impl Runner {
     }
 
     /// Makes the pipelines of a method and uploads the view.
-    fn prepare(&mut self, method: &Method, view: &View) -> Result<(), MethodError> {
+    pub(super) fn prepare(&mut self, method: &Method, view: &View) -> Result<(), MethodError> {
         self.supports(method).map_err(MethodError::Unsupported)?;
-        self.targets.set_view(&self.gpu.queue, view, self.pages.extent)?;
+        self.targets.set_view(&self.gpu.queue, view)?;
+        let [low, high] = self.pages.extent;
+        self.pipelines.is_near = view.is_near(low, high);
         let plan = method.plan;
         if matches!(plan.resolve, Resolve::Textures) && self.targets.textures.is_none() {
             let textures = Textures::new(&self.gpu.device, &self.targets, &self.pages, &self.pipelines);
@@ -155,27 +195,50 @@ impl Runner {
 
     /// One frame: clear, geometry, resolve, a pass each.
     fn record(&self, encoder: &mut wgpu::CommandEncoder, plan: &Plan, mut queries: Option<&mut Queries>) {
-        {
-            let mut pass = self.pass(encoder, queries.as_deref_mut());
-            self.over_pixels(&mut pass, &modules::CLEAR_WORDS);
-            if plan.has_sums {
-                self.over_pixels(&mut pass, &modules::CLEAR_SUMS);
-            }
-        }
+        self.record_clear(encoder, plan, queries.as_deref_mut());
         for step in plan.geometry {
-            match step {
-                Step::Points(kernel) => {
-                    let mut pass = self.pass(encoder, queries.as_deref_mut());
-                    self.over_points(&mut pass, kernel);
-                }
-                Step::Draw => {
-                    if let Some(textures) = &self.targets.textures {
-                        let writes = queries.as_deref_mut().map(Queries::render);
-                        textures.draw(encoder, &self.targets, &self.pages, writes);
-                    }
+            let pages = self.pages.pages.iter().map(|page| (&page.bind, page.len));
+            self.record_step(encoder, step, pages, true, queries.as_deref_mut());
+        }
+        self.record_resolve(encoder, plan, queries);
+    }
+
+    pub(super) fn record_clear(&self, encoder: &mut wgpu::CommandEncoder, plan: &Plan, queries: Option<&mut Queries>) {
+        let mut pass = self.pass(encoder, queries);
+        self.over_pixels(&mut pass, &modules::CLEAR_WORDS);
+        if plan.has_sums {
+            self.over_pixels(&mut pass, &modules::CLEAR_SUMS);
+        }
+    }
+
+    /// A geometry pass over these pages, or parts of pages; `is_first` if no part came before.
+    pub(super) fn record_step<'p>(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        step: &Step,
+        parts: impl Iterator<Item = (&'p wgpu::BindGroup, u32)>,
+        is_first: bool,
+        queries: Option<&mut Queries>,
+    ) {
+        match step {
+            Step::Points(kernel) => {
+                let mut pass = self.pass(encoder, queries);
+                self.over_parts(&mut pass, kernel, parts);
+            }
+            Step::Draw => {
+                if let Some(textures) = &self.targets.textures {
+                    textures.draw(encoder, &self.targets, parts, is_first, queries.map(Queries::render));
                 }
             }
         }
+    }
+
+    pub(super) fn record_resolve(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        plan: &Plan,
+        queries: Option<&mut Queries>,
+    ) {
         let mut pass = self.pass(encoder, queries);
         match (&plan.resolve, &self.targets.textures) {
             (Resolve::Targets(kernel), _) => self.over_pixels(&mut pass, kernel),
@@ -230,11 +293,20 @@ impl Runner {
 
     /// A thread for each point.
     pub(super) fn over_points(&self, pass: &mut wgpu::ComputePass<'_>, kernel: &Kernel) {
+        self.over_parts(pass, kernel, self.pages.pages.iter().map(|page| (&page.bind, page.len)));
+    }
+
+    fn over_parts<'p>(
+        &self,
+        pass: &mut wgpu::ComputePass<'_>,
+        kernel: &Kernel,
+        parts: impl Iterator<Item = (&'p wgpu::BindGroup, u32)>,
+    ) {
         let Some(pipeline) = self.pipelines.get(kernel) else { return };
         pass.set_pipeline(pipeline);
-        for page in &self.pages.pages {
-            pass.set_bind_group(1, &page.bind, &[]);
-            kernel::dispatch_groups(pass, kernel.groups(page.len, self.pipelines.launch));
+        for (bind, len) in parts {
+            pass.set_bind_group(1, bind, &[]);
+            kernel::dispatch_groups(pass, kernel.groups(len, self.pipelines.launch));
         }
     }
 }

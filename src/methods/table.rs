@@ -3,8 +3,9 @@
 use std::fmt;
 
 use super::{
+    cloud::Encoding,
     modules::Kernel,
-    plan::{Plan, Step, plans},
+    plan::{Plan, Rule, Step, plans},
 };
 
 /// A way to rasterize points. A row of [`METHODS`].
@@ -32,6 +33,14 @@ impl Method {
             Step::Draw => None,
         };
         self.plan.geometry.iter().filter_map(of).collect()
+    }
+
+    /// Bytes of the cloud that a frame must read: all positions in each geometry pass; where colours lie apart,
+    /// also those that a pass looks up, at most one for each point in the frustum.
+    pub fn bytes(&self, encoding: Encoding, points: u64, fragments: u64) -> u64 {
+        let looks_up = matches!(self.plan.rule, Rule::Depth40 { .. } | Rule::Average(_));
+        let colors = if encoding == Encoding::Packed && looks_up { 4 * fragments } else { 0 };
+        self.plan.geometry.len() as u64 * points * encoding.bytes() + colors
     }
 }
 
@@ -82,7 +91,10 @@ impl fmt::Display for Needs {
 const PAPER_2019: &str = "Schütz and Wimmer 2019, Rendering Point Clouds with Compute Shaders";
 const PAPER_2021: &str =
     "Schütz, Kerbl and Wimmer 2021, Rendering Point Clouds with Compute Shaders and Vertex Order Optimization";
-const PAPER_2013: &str = "Günther et al. 2013, A GPGPU-based Pipeline for Accelerated Rendering of Point Clouds";
+const PAPER_2013_LOOP: &str =
+    "Günther et al. 2013, A GPGPU-based Pipeline for Accelerated Rendering of Point Clouds, Algorithms 2 and 3";
+const PAPER_2013_RACE: &str =
+    "Günther et al. 2013, A GPGPU-based Pipeline for Accelerated Rendering of Point Clouds, Algorithm 1";
 
 const fn row(
     name: &'static str,
@@ -121,20 +133,20 @@ pub const METHODS: &[Method] = &[
     row(
         "busy-loop",
         "a lock for each pixel, depth in clip space (CL_c); bounded spins, give-ups counted",
-        PAPER_2013,
+        PAPER_2013_LOOP,
         Needs::NOTHING,
         &plans::BUSY_LOOP,
     ),
     row(
         "busy-loop-n",
         "busy-loop with normalized depth (CL_n), which tells far points apart less well",
-        PAPER_2013,
+        PAPER_2013_LOOP,
         Needs::NOTHING,
         &plans::BUSY_LOOP_N,
     ),
     Method {
         wrong_on_purpose: Some("the depth test is not thread-safe: points behind others are shown"),
-        ..row("racy", "compare, then write, unprotected (Algorithm 1)", PAPER_2013, Needs::NOTHING, &plans::RACY)
+        ..row("racy", "compare, then write, unprotected", PAPER_2013_RACE, Needs::NOTHING, &plans::RACY)
     },
     row(
         "two-pass-32",

@@ -82,13 +82,13 @@ impl Targets {
         self.size[0] * self.size[1]
     }
 
-    /// Uploads a view of a cloud with this lowest and highest corner, with points of one pixel.
-    pub fn set_view(&self, queue: &wgpu::Queue, view: &View, [low, high]: [[i32; 3]; 2]) -> Result<(), MethodError> {
+    /// Uploads a view, with points of one pixel.
+    pub fn set_view(&self, queue: &wgpu::Queue, view: &View) -> Result<(), MethodError> {
         let found = [view.width, view.height];
         if found != self.size {
             return Err(MethodError::OtherSize { expected: self.size, found });
         }
-        queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&View { point_size: 1, ..*view }.within(low, high)));
+        queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&View { point_size: 1, ..*view }));
         queue.write_buffer(&self.depth40, 0, bytemuck::bytes_of(&Depth40::of(view)));
         Ok(())
     }

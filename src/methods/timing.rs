@@ -119,6 +119,20 @@ pub fn time(gpu: &Gpu, frames: u32, passes: u32, mut record: impl Record) -> Res
     if gpu.has_clock() { by_queries(gpu, frames, passes, &mut record) } else { by_wall_clock(gpu, frames, &mut record) }
 }
 
+/// Seconds between two timestamps around what `record` records outside of passes; only for devices that
+/// have [`wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS`].
+pub fn between(gpu: &Gpu, record: impl Fn(&mut wgpu::CommandEncoder)) -> Result<f64, RenderError> {
+    let mut queries = Queries::new(&gpu.device, 1, 1);
+    device::wait(&gpu.device)?;
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    encoder.write_timestamp(&queries.set, 0);
+    record(&mut encoder);
+    encoder.write_timestamp(&queries.set, 1);
+    gpu.queue.submit([encoder.finish()]);
+    queries.next = 2;
+    Ok(queries.read(gpu)?.iter().map(FrameTime::total_secs).sum())
+}
+
 fn by_queries(gpu: &Gpu, frames: u32, passes: u32, record: &mut impl Record) -> Result<Vec<FrameTime>, RenderError> {
     let most = MAX_QUERIES / (2 * passes);
     let mut times = Vec::new();

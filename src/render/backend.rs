@@ -4,9 +4,9 @@ use std::ops::Range;
 
 use serde::Serialize;
 
-use super::{camera::View, color::FileColor};
+use super::{camera::View, choice::Choice, color::FileColor};
 use crate::{
-    device::{PassTimes, Raster, RenderError},
+    device::{PassTimes, Passes, Raster, RenderError},
     scene::PointBatch,
     store::Insertion,
 };
@@ -19,13 +19,17 @@ pub struct BackendInfo {
     /// "vulkan", "metal", "dx12" or "cpu".
     pub api: String,
     pub driver: String,
-    pub raster: Raster,
+    pub method: Raster,
+    /// What speaks for the method; none on the processor.
+    pub choice: Option<Choice>,
 }
 
-/// All that one frame draws, in order: clear, reproject, fresh, fill, index build, resolve.
+/// All that one frame draws, in order: clear, reproject, fresh, fill, sums, index build, resolve.
 #[derive(Debug, Clone)]
 pub struct FramePlan {
     pub view: View,
+    /// Draw no depths: those of the last frame, which had the same view, stay. Nothing was inserted since.
+    pub keeps_depths: bool,
     /// Draw the slots that were visible in the last frame.
     pub reproject: bool,
     /// Draw the points inserted since the last frame.
@@ -35,9 +39,63 @@ pub struct FramePlan {
     pub shading: Shading,
     /// Colour rule of each file, in order of their first records.
     pub files: Vec<FileColor>,
-    /// A picture that leaves no trace: which slots were visible, and which are fresh, stays as it was. For
-    /// comparing while a scene converges.
+    /// The second pass of high-quality shading; without, each pixel shows its front point.
+    pub averaging: Option<Averaging>,
+    /// A picture for comparing while a scene converges: which slots were visible, which are fresh, and the sums stay
+    /// as they were, and no method is measured. Only the words are overwritten: the next frame cannot keep them.
     pub aside: bool,
+}
+
+impl FramePlan {
+    /// Number of slots in `fill`.
+    pub fn fill_points(&self) -> u32 {
+        self.fill.iter().map(|range| range.end - range.start).sum()
+    }
+
+    pub fn passes(&self) -> Passes {
+        match (self.keeps_depths, &self.averaging) {
+            (true, _) => Passes::Sums,
+            (false, Some(_)) => Passes::DepthsAndSums,
+            (false, None) => Passes::Depths,
+        }
+    }
+}
+
+/// Which points enter the sums of high-quality shading: those of their fragments that lie within 1 %
+/// behind the front of their pixel, but for the front point itself, which resolve adds.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Averaging {
+    /// The sums begin anew; else they go on from those of the last frame.
+    pub begins: bool,
+    /// Also what `reproject` and `fresh` draw, as far as it is not in `slots`, so that no point counts twice.
+    pub lists: bool,
+    pub slots: [Range<u32>; 2],
+}
+
+impl Averaging {
+    /// Number of `slots`.
+    pub fn points(&self) -> u32 {
+        self.slots.iter().map(|range| range.end - range.start).sum()
+    }
+}
+
+/// How a device sums up colours for high-quality shading; the pictures are the same.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Sums {
+    /// Four 32-bit sums.
+    Hqs,
+    /// One 64-bit word, handed over to wider sums when it is full (Schütz et al. 2021).
+    Hqs1r,
+}
+
+impl std::fmt::Display for Sums {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Sums::Hqs => "hqs",
+            Sums::Hqs1r => "hqs1r",
+        })
+    }
 }
 
 /// How visible points become a picture.
@@ -47,11 +105,14 @@ pub struct Shading {
     pub edl_strength: f32,
     /// Red, green, blue where no point is.
     pub background: [u8; 3],
+    /// High-quality shading (Schütz and Wimmer 2019): a pixel shows the mean colour of all points within
+    /// 1 % behind its front depth. Twice the work on points; off by default.
+    pub high_quality: bool,
 }
 
 impl Default for Shading {
     fn default() -> Self {
-        Shading { edl_strength: 0.4, background: [24, 28, 34] }
+        Shading { edl_strength: 0.4, background: [24, 28, 34], high_quality: false }
     }
 }
 
@@ -70,6 +131,9 @@ pub struct Picture {
 /// Stores points and draws frames.
 pub trait Backend {
     fn info(&self) -> &BackendInfo;
+
+    /// How it sums up colours for high-quality shading.
+    fn sums(&self) -> Sums;
 
     /// Empties the store. `points` are to be expected (a hint for the size of pages).
     fn reset(&mut self, points: u64);
@@ -93,6 +157,11 @@ pub trait Backend {
     /// Times of the latest frame that the device has finished, if it can tell; each is returned once.
     fn pass_times(&mut self) -> Option<PassTimes>;
 
+    /// Measures now which of its methods is the fastest, instead of between frames, if that is due.
+    fn choose(&mut self) -> Result<(), RenderError> {
+        Ok(())
+    }
+
     /// Waits until the last frame is drawn.
     fn wait(&mut self) -> Result<(), RenderError>;
 
@@ -103,6 +172,9 @@ pub trait Backend {
 impl<B: Backend + ?Sized> Backend for Box<B> {
     fn info(&self) -> &BackendInfo {
         (**self).info()
+    }
+    fn sums(&self) -> Sums {
+        (**self).sums()
     }
     fn reset(&mut self, points: u64) {
         (**self).reset(points);
@@ -124,6 +196,9 @@ impl<B: Backend + ?Sized> Backend for Box<B> {
     }
     fn pass_times(&mut self) -> Option<PassTimes> {
         (**self).pass_times()
+    }
+    fn choose(&mut self) -> Result<(), RenderError> {
+        (**self).choose()
     }
     fn wait(&mut self) -> Result<(), RenderError> {
         (**self).wait()

@@ -1,6 +1,7 @@
 //! The fill budget: how many random points a frame may try (`numRandom`).
 
-use crate::device::PassTimes;
+use super::in_motion::InMotion;
+use crate::device::{PassTimes, Passes};
 
 /// Fewest points a frame tries: progress must not stop on the slowest device.
 const MIN_FILL: u32 = 10_000;
@@ -29,28 +30,52 @@ const SHORT_ENOUGH: f64 = 1.0;
 /// these do, and with fewer a file would take minutes to load.
 const MIN_INSERTIONS: usize = 4;
 
-/// Follows measured frame times to hold a target: with the fill, and while loading with the number of
-/// insertions.
+/// Follows measured frame times to hold a target: with the fill, while loading with the number of
+/// insertions, and with high-quality shading in motion or without.
 #[derive(Debug, Clone, Copy)]
 pub struct BudgetController {
-    points: u32,
     insertions: usize,
+    /// A fill for each kind of frame, in the order of [`Passes`].
+    fills: [Fill; 3],
+    in_motion: InMotion,
+}
+
+/// The fill of one kind of frame.
+#[derive(Debug, Clone, Copy, Default)]
+struct Fill {
+    /// None until a frame of the kind has been timed.
+    points: Option<u32>,
     cost: CostModel,
 }
 
 impl Default for BudgetController {
     fn default() -> Self {
-        BudgetController { points: FIRST_FILL, insertions: MIN_INSERTIONS, cost: CostModel::default() }
+        BudgetController { insertions: MIN_INSERTIONS, fills: Default::default(), in_motion: InMotion::default() }
     }
 }
 
 impl BudgetController {
-    /// Points to try in the next frame.
-    pub fn points(&self, budget: FillBudget) -> u32 {
+    /// Points to try in the next frame, if it makes these passes.
+    pub fn points(&self, budget: FillBudget, passes: Passes) -> u32 {
         match budget {
             FillBudget::Fixed(points) => points,
-            FillBudget::Target(_) => self.points,
+            FillBudget::Target(_) => self.target_points(passes),
         }
+    }
+
+    fn target_points(&self, passes: Passes) -> u32 {
+        let learnt = |passes: Passes| self.fills[passes as usize].points;
+        match passes {
+            Passes::Depths => learnt(passes).unwrap_or(FIRST_FILL),
+            // Sums cost about as much as depths.
+            Passes::DepthsAndSums => learnt(passes).unwrap_or(self.target_points(Passes::Depths) / 2).max(MIN_FILL),
+            Passes::Sums => learnt(passes).unwrap_or(self.target_points(Passes::DepthsAndSums)),
+        }
+    }
+
+    /// Whether high-quality shading is also for frames that draw depths.
+    pub fn averages_in_motion(&self, budget: FillBudget) -> bool {
+        matches!(budget, FillBudget::Fixed(_)) || !self.in_motion.is_dropped()
     }
 
     /// Insertions that the next frame may take, at most `limit`.
@@ -63,21 +88,40 @@ impl BudgetController {
 
     /// Learns from a finished frame; `host_secs` is what its insertions took on the host.
     pub fn learn(&mut self, times: &PassTimes, host_secs: f64, target_secs: f64) {
+        let has_stages = times.undivided == 0.0;
         if times.insertions > 0 {
             // The host's part overlaps with the device's, or is the same on the CPU backend.
             let secs = times.total() - times.insert + times.insert.max(host_secs);
             if secs > TOO_LONG * target_secs {
+                // Nothing else is left to be given up.
+                if self.insertions == MIN_INSERTIONS && !has_stages {
+                    self.in_motion.note(times.passes, secs, target_secs);
+                }
                 self.insertions = (self.insertions / 2).max(MIN_INSERTIONS);
             } else if secs < SHORT_ENOUGH * target_secs && times.insertions as usize >= self.insertions {
                 self.insertions += 1;
             }
         }
-        let Some((fixed_secs, secs_per_point)) = self.cost.learn(times) else { return };
-        let left = (target_secs - fixed_secs).max(LEAST_SHARE * target_secs);
+        let before = self.target_points(times.passes);
+        let fill = &mut self.fills[times.passes as usize];
+        let learnt = fill.cost.learn(times);
+        if has_stages || (learnt.is_some() && fill.cost.tells_fixed()) {
+            let fixed_secs = match learnt {
+                Some((fixed_secs, _)) if !has_stages => fixed_secs,
+                // Insertions have their own limit.
+                _ => times.total() - times.fill - times.average_fill - times.insert,
+            };
+            self.in_motion.note(times.passes, fixed_secs, target_secs);
+        }
+        let Some((fixed_secs, secs_per_point)) = learnt else { return };
+        // At rest nobody waits for the next frame: no more than half of the time goes to what each costs anyway.
+        // (With less, averages of 2 M points took 125 frames on two cores.)
+        let at_rest = if times.passes == Passes::Sums { fixed_secs } else { 0.0 };
+        let left = (target_secs - fixed_secs).max(LEAST_SHARE * target_secs).max(at_rest);
         // A budget grows by no more than half per frame, since one quick frame (all points outside of the
         // picture, say) tells little about the next, and shrinks at once.
-        let limit = 1.5 * f64::from(self.points);
-        self.points = ((left / secs_per_point).min(limit) as u32).clamp(MIN_FILL, MAX_FILL);
+        let limit = 1.5 * f64::from(before);
+        fill.points = Some(((left / secs_per_point).min(limit) as u32).clamp(MIN_FILL, MAX_FILL));
     }
 }
 
@@ -96,18 +140,25 @@ struct CostModel {
 }
 
 impl CostModel {
+    /// Seconds that a frame takes besides, and per point of its fill.
     fn learn(&mut self, times: &PassTimes) -> Option<(f64, f64)> {
+        let points = times.fill_points.max(times.average_points);
         // Short fills are dominated by the dispatch itself.
-        if times.fill_points < MIN_FILL {
+        if points < MIN_FILL {
             return None;
         }
-        let x = f64::from(times.fill_points);
         if times.undivided == 0.0 {
-            return (times.fill > 0.0).then(|| (times.total() - times.fill, times.fill / x));
+            let fill_secs = times.fill + times.average_fill;
+            // Points that only one of both passes drew cost less than those of other frames; two rates add up.
+            let rate = |secs: f64, points: u32| if points < MIN_FILL { 0.0 } else { secs / f64::from(points) };
+            let secs_per_point = rate(times.fill, times.fill_points) + rate(times.average_fill, times.average_points);
+            return (secs_per_point > 0.0).then_some((times.total() - fill_secs, secs_per_point));
         }
-        if times.insertions > 0 {
+        let is_uneven = times.passes == Passes::DepthsAndSums && times.fill_points != times.average_points;
+        if times.insertions > 0 || is_uneven {
             return None;
         }
+        let x = f64::from(points);
         const KEPT: f64 = 0.9;
         let y = times.undivided;
         for (sum, sample) in [
@@ -130,6 +181,11 @@ impl CostModel {
         }
         Some(((mean_y - self.secs_per_point * mean_x).max(0.0), self.secs_per_point))
     }
+
+    /// True once frames of different fills have told their fixed part from the rest.
+    fn tells_fixed(&self) -> bool {
+        self.secs_per_point > 0.0 && self.secs_per_point < self.secs / self.points
+    }
 }
 
 #[cfg(test)]
@@ -141,7 +197,7 @@ mod tests {
         let mut controller = BudgetController::default();
         let mut total = 0.0;
         for _ in 0..80 {
-            let fill_points = controller.points(FillBudget::Target(target));
+            let fill_points = controller.points(FillBudget::Target(target), Passes::Depths);
             let fill = per_point * f64::from(fill_points);
             let times = if tells_passes {
                 PassTimes { fill, resolve: fixed, fill_points, ..Default::default() }
@@ -173,8 +229,47 @@ mod tests {
     }
 
     #[test]
+    fn each_kind_of_frame_has_its_own_fill() {
+        let target = FillBudget::Target(0.016);
+        let mut controller = BudgetController::default();
+        for _ in 0..80 {
+            for (passes, secs_per_point, fixed) in
+                [(Passes::Depths, 1e-8, 0.002), (Passes::DepthsAndSums, 3e-8, 0.004), (Passes::Sums, 2e-8, 0.030)]
+            {
+                let points = controller.points(target, passes);
+                let secs = secs_per_point * f64::from(points);
+                let (fill_points, average_points) = match passes {
+                    Passes::Depths => (points, 0),
+                    Passes::DepthsAndSums => (points, points),
+                    Passes::Sums => (0, points),
+                };
+                let [fill, average_fill] = match passes {
+                    Passes::Depths => [secs, 0.0],
+                    Passes::DepthsAndSums => [secs / 3.0, secs * 2.0 / 3.0],
+                    Passes::Sums => [0.0, secs],
+                };
+                let times = PassTimes {
+                    passes,
+                    fill,
+                    average_fill,
+                    fill_points,
+                    average_points,
+                    resolve: fixed,
+                    ..Default::default()
+                };
+                controller.learn(&times, 0.0, 0.016);
+            }
+        }
+        let near =
+            |passes: Passes, points: f64| (f64::from(controller.points(target, passes)) / points - 1.0).abs() < 0.01;
+        assert!(near(Passes::Depths, 0.014 / 1e-8), "{controller:?}");
+        assert!(near(Passes::DepthsAndSums, 0.012 / 3e-8), "{controller:?}");
+        assert!(near(Passes::Sums, 0.030 / 2e-8), "at rest as long as the rest of the frame: {controller:?}");
+    }
+
+    #[test]
     fn a_fixed_budget_stays() {
-        assert_eq!(BudgetController::default().points(FillBudget::Fixed(5)), 5);
+        assert_eq!(BudgetController::default().points(FillBudget::Fixed(5), Passes::Sums), 5);
         assert_eq!(BudgetController::default().insertions(FillBudget::Fixed(5), 16), 16);
     }
 

@@ -170,8 +170,7 @@ fn round_unit(x: f64) -> f64 {
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct View {
-    /// Clip-space x per grid step; the fourth number is not 0 where the kernels may subtract the eye's position
-    /// in 32 bits, see [`View::within`].
+    /// Clip-space x per grid step; the fourth number is unused.
     pub row_x: [f32; 4],
     /// Clip-space y (down) per grid step; the fourth number is unused.
     pub row_y: [f32; 4],
@@ -200,16 +199,15 @@ pub struct Projected {
 }
 
 impl View {
-    /// The view for kernels that see positions in this box only. If none of them is 2³¹ steps or more from the
-    /// eye, the kernels subtract once instead of twice; no bit of a picture changes.
-    pub fn within(mut self, low: [i32; 3], high: [i32; 3]) -> View {
+    /// Whether every position in this box is less than 2³¹ grid steps from the eye on each axis. Kernels made for
+    /// that subtract the eye's position once instead of in halves; no bit of a picture changes.
+    pub fn is_near(&self, low: [i32; 3], high: [i32; 3]) -> bool {
         let fits = |a: usize| {
             let eye = (i64::from(self.eye_high[a]) << 16) + i64::from(self.eye_low[a]);
             let differences = [i64::from(low[a]) - eye, i64::from(high[a]) - eye, eye];
             differences.iter().all(|&steps| i32::try_from(steps).is_ok())
         };
-        self.row_x[3] = if (0..3).all(fits) { 1.0 } else { 0.0 };
-        self
+        (0..3).all(fits)
     }
 
     /// Twin of `project` in `shaders/project.wgsl`: `None` behind the eye or outside of the picture.

@@ -3,22 +3,35 @@
 //! [`Progressive`] decides what each frame draws; a [`Backend`] draws it. Every pixel is one 64-bit
 //! word, depth (the bits of a positive f32) in the upper half and slot in the lower; the smallest word
 //! wins, so the order in which points arrive cannot change a picture.
+//!
+//! High-quality shading ([`Shading::high_quality`]) adds a second pass. While depths are being found, it
+//! averages the points that the frame draws anyway; once they are final it goes over all points, each once,
+//! and the depths stay as they are. Its sums are integers, so that the result is again that of all points
+//! at once, bit for bit.
 
+mod averages;
 mod backend;
 mod budget;
 mod camera;
+mod choice;
 mod color;
 mod cpu;
+mod frame;
 mod gpu;
+mod in_motion;
 mod progressive;
 mod shading;
 
-pub use crate::device::{PassTimes, Raster, RenderError};
-pub use backend::{Backend, BackendInfo, FramePlan, Picture, Shading};
+pub use crate::device::{PassTimes, Passes, Raster, RenderError};
+pub use backend::{Averaging, Backend, BackendInfo, FramePlan, Picture, Shading, Sums};
 pub use budget::{BudgetController, FillBudget};
 pub use camera::{Camera, CameraError, Projected, View};
+pub use choice::{
+    Candidate, Choice, Clock, GROUP_SIZES, MARGIN, Measured, Measurement, RasterChoice, Speed, Why, best,
+};
 pub use color::{FileColor, elevation_ramp};
 pub use cpu::{CpuBackend, list_visible};
-pub use gpu::{GpuBackend, RasterChoice, ShadingUniform};
-pub use progressive::{FrameReport, FrameRequest, INSERTION_POINTS, Progressive, Reprojection, StoreOptions};
-pub use shading::EDL_GAIN;
+pub use frame::{FrameReport, FrameRequest, INSERTION_POINTS, Reprojection, StoreOptions};
+pub use gpu::{GpuBackend, ShadingUniform};
+pub use progressive::Progressive;
+pub use shading::{AVERAGED_DEPTH, EDL_GAIN, MOST_FRAGMENTS};

@@ -2,92 +2,19 @@
 
 use std::{collections::VecDeque, sync::Arc, time::Instant};
 
-use serde::Serialize;
-
 use super::{
-    backend::{Backend, FramePlan, Picture, Shading},
+    averages::Averages,
+    backend::{Averaging, Backend, FramePlan, Picture, Shading},
     budget::{BudgetController, FillBudget},
     camera::View,
     color::FileColor,
+    frame::{FrameReport, FrameRequest, MAX_POINTS, Reprojection, StoreOptions},
 };
 use crate::{
-    device::{PassTimes, RenderError},
+    device::{PassTimes, Passes, RenderError},
     scene::{ColorStats, PointBatch, SceneFacts},
-    store::{Coverage, Insertion, MAX_INSERTION_POINTS, SlotOrder},
+    store::{Coverage, Insertion, MAX_INSERTION_POINTS},
 };
-
-/// Points that enter the store at a time. Larger ones cost fewer look-ups per visible point and
-/// second, smaller ones show sooner: at 65,536 a LAZ file is seen after its first two chunks.
-pub const INSERTION_POINTS: u32 = 65_536;
-
-/// Slots are 32-bit numbers, and the last one means "no point".
-const MAX_POINTS: u64 = u32::MAX as u64;
-
-/// How the store is to be filled; fixes the slot of every point.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct StoreOptions {
-    pub seed: u64,
-    /// Points per insertion, 1 to [`MAX_INSERTION_POINTS`]. A scene's last one may be smaller, and its first
-    /// one is its first batch, so that something shows at once.
-    pub insertion_points: u32,
-    /// Store no more than this many points.
-    pub max_points: u64,
-    /// Anything but shuffled is for measuring what the shuffle is worth.
-    pub order: SlotOrder,
-}
-
-/// When a frame draws what the last one showed. A viewer always does; the others are what that is measured
-/// against.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum Reprojection {
-    #[default]
-    Always,
-    /// Unless the view changed: the picture begins anew whenever the camera moves.
-    WhileStill,
-    /// Every frame is a new sample of the points, and stays one: a still picture never converges.
-    Never,
-}
-
-impl Default for StoreOptions {
-    fn default() -> Self {
-        StoreOptions {
-            seed: 1,
-            insertion_points: INSERTION_POINTS,
-            max_points: MAX_POINTS,
-            order: SlotOrder::default(),
-        }
-    }
-}
-
-/// What a frame is to show.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FrameRequest {
-    pub view: View,
-    pub fill: FillBudget,
-    pub shading: Shading,
-}
-
-/// What a frame did.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-pub struct FrameReport {
-    /// False if nothing had changed, so that nothing was drawn.
-    pub drawn: bool,
-    pub points_stored: u64,
-    /// Points that were tried since the view last changed; all of them: the picture has converged.
-    pub points_tried: u64,
-    /// False while ties between points of equal depth may stand that slots since renumbered decided;
-    /// a full cycle after loading settles them.
-    pub settled: bool,
-    /// Points that the fill tried in this frame.
-    pub fill: u32,
-}
-
-impl FrameReport {
-    /// The picture equals that of all points stored.
-    pub fn is_converged(&self) -> bool {
-        self.settled && self.points_tried == self.points_stored
-    }
-}
 
 /// A scene that grows while it is drawn.
 pub struct Progressive<B> {
@@ -111,15 +38,19 @@ pub struct Progressive<B> {
     /// equal depth in a pixel (duplicates, level ground from above) the lowest slot wins; if the
     /// winner moves behind one that lost, only trying the loser again puts the picture right.
     unsettled: bool,
+    averages: Averages,
     /// Insertions that no frame has drawn as fresh yet.
     undrawn: usize,
     memory_full: bool,
     budget: BudgetController,
     last_times: Option<PassTimes>,
+    last_passes: Passes,
     /// Time on the host that the last frame's insertions took.
     insert_secs: f64,
     last_view: Option<View>,
     last_shading: Option<Shading>,
+    /// The words of the last frame are those of a picture aside.
+    words_are_gone: bool,
 }
 
 impl<B: Backend> Progressive<B> {
@@ -141,13 +72,16 @@ impl<B: Backend> Progressive<B> {
             stored: 0,
             coverage: Coverage::default(),
             unsettled: false,
+            averages: Averages::default(),
             undrawn: 0,
             memory_full: false,
             budget: BudgetController::default(),
             last_times: None,
+            last_passes: Passes::default(),
             insert_secs: 0.0,
             last_view: None,
             last_shading: None,
+            words_are_gone: false,
         }
     }
 
@@ -183,6 +117,7 @@ impl<B: Backend> Progressive<B> {
         self.stored = 0;
         self.coverage = Coverage::default();
         self.unsettled = false;
+        self.averages = Averages::default();
         self.undrawn = 0;
         self.memory_full = false;
         self.last_view = None;
@@ -224,9 +159,15 @@ impl<B: Backend> Progressive<B> {
         self.stored.into()
     }
 
-    /// Points that the next frame may try.
+    /// Points that a frame of the last one's kind may try.
     pub fn fill_points(&self, budget: FillBudget) -> u32 {
-        self.budget.points(budget)
+        self.budget.points(budget, self.last_passes)
+    }
+
+    /// False while high-quality shading waits until nothing changes, since otherwise frames would take longer
+    /// than the target.
+    pub fn averages_in_motion(&self, budget: FillBudget) -> bool {
+        self.budget.averages_in_motion(budget)
     }
 
     /// Times of the latest frame that the device has finished, if it can tell.
@@ -266,46 +207,18 @@ impl<B: Backend> Progressive<B> {
         if self.unsettled && self.is_loaded() {
             self.restart();
         }
-        let mut complete = self.coverage.is_complete(self.stored);
-        if complete && self.reprojection == Reprojection::Never && self.stored > 0 {
+        if self.reprojection == Reprojection::Never && self.stored > 0 && self.coverage.is_complete(self.stored) {
             self.restart();
-            complete = false;
         }
-        if !view_changed && self.undrawn == 0 && complete && self.last_shading == Some(request.shading) {
-            return Ok(self.report(false, 0));
+        let has_all_depths = !view_changed && self.undrawn == 0 && self.coverage.is_complete(self.stored);
+        let is_high = request.shading.high_quality;
+        let has_all = has_all_depths && (!is_high || self.averages.are_complete(self.stored, &self.file_colors));
+        if has_all && self.last_shading == Some(request.shading) {
+            return Ok(self.report(request, false, 0));
         }
-        let fill = self.coverage.advance(self.stored, self.budget.points(request.fill));
-        let filled = fill.iter().map(|r| r.end - r.start).sum();
-        let reproject = match self.reprojection {
-            Reprojection::Always => true,
-            Reprojection::WhileStill => !view_changed,
-            Reprojection::Never => false,
-        };
-        self.draw(request, reproject, true, fill)?;
-        Ok(self.report(true, filled))
-    }
-
-    /// The picture of all points stored, brought back; frames go on afterwards as if it had not been drawn.
-    /// What the last frame shows has to be [read](Progressive::read) before.
-    ///
-    /// # Errors
-    /// If it cannot be drawn or read.
-    pub fn truth(&mut self, request: &FrameRequest) -> Result<Picture, RenderError> {
-        self.backend.resize([request.view.width, request.view.height])?;
-        let plan = FramePlan {
-            view: request.view,
-            reproject: false,
-            fresh: false,
-            fill: [0..self.stored, 0..0],
-            shading: request.shading,
-            files: self.file_colors.clone(),
-            aside: true,
-        };
-        self.backend.draw(&plan)?;
-        let picture = self.backend.read()?;
-        // Its times are none of a frame's: the budget must not learn from them.
-        let _ = self.backend.pass_times();
-        Ok(picture)
+        let plan = if has_all_depths && is_high { self.plan_averages(request) } else { self.plan_depths(request) };
+        self.draw(&plan)?;
+        Ok(self.report(request, true, plan.fill_points()))
     }
 
     /// Draws all points stored, without regard to what was visible before.
@@ -313,9 +226,74 @@ impl<B: Backend> Progressive<B> {
         self.insert_waiting(self.backend.insertions_per_frame() - self.undrawn)?;
         self.coverage = Coverage::default();
         self.unsettled = false;
+        self.averages = Averages::default();
         let fill = self.coverage.advance(self.stored, self.stored);
-        self.draw(request, false, false, fill)?;
-        Ok(self.report(true, self.stored))
+        let sums = request.shading.high_quality;
+        let averaging = sums.then(|| self.averages.go_on(self.stored, self.stored, &self.file_colors));
+        let plan = FramePlan { fill, averaging, reproject: false, fresh: false, ..self.empty_plan(request) };
+        self.draw(&plan)?;
+        Ok(self.report(request, true, self.stored))
+    }
+
+    /// The picture of all points stored without high-quality shading, brought back; frames go on afterwards as if
+    /// it had not been drawn. What the last frame shows has to be [read](Progressive::read) before.
+    ///
+    /// # Errors
+    /// If it cannot be drawn or read.
+    pub fn truth(&mut self, request: &FrameRequest) -> Result<Picture, RenderError> {
+        self.backend.resize([request.view.width, request.view.height])?;
+        let fill = [0..self.stored, 0..0];
+        let plan = FramePlan { aside: true, reproject: false, fresh: false, fill, ..self.empty_plan(request) };
+        self.words_are_gone = true;
+        self.backend.draw(&plan)?;
+        let picture = self.backend.read()?;
+        // Its times are none of a frame's: the budget must not learn from them.
+        let _ = self.backend.pass_times();
+        Ok(picture)
+    }
+
+    /// The depths are final: what is left of high-quality shading.
+    fn plan_averages(&mut self, request: &FrameRequest) -> FramePlan {
+        let budget = self.budget.points(request.fill, Passes::Sums);
+        let averaging = self.averages.go_on(self.stored, budget, &self.file_colors);
+        // What was visible gives the same words again.
+        FramePlan { keeps_depths: !self.words_are_gone, averaging: Some(averaging), ..self.empty_plan(request) }
+    }
+
+    /// Depths of what was visible, is new, or was not tried yet; with high-quality shading, if there is
+    /// time for it, also the averages of these points.
+    fn plan_depths(&mut self, request: &FrameRequest) -> FramePlan {
+        let averages = request.shading.high_quality && self.budget.averages_in_motion(request.fill);
+        let passes = if averages { Passes::DepthsAndSums } else { Passes::Depths };
+        let budget = self.budget.points(request.fill, passes);
+        let fill = self.coverage.advance(self.stored, budget);
+        self.averages.invalidate();
+        let averaging = averages.then(|| match self.coverage.is_complete(self.stored) {
+            false => Averaging { begins: true, lists: true, slots: fill.clone() },
+            // The depths are final after this frame's first pass, unless points keep arriving; then the
+            // fill has nothing to try, and the averages go round on their own.
+            true if self.undrawn == 0 => self.averages.go_on(self.stored, budget, &self.file_colors),
+            true => self.averages.sample(self.stored, budget),
+        });
+        FramePlan { fill, averaging, ..self.empty_plan(request) }
+    }
+
+    fn empty_plan(&self, request: &FrameRequest) -> FramePlan {
+        FramePlan {
+            view: request.view,
+            keeps_depths: false,
+            reproject: match self.reprojection {
+                Reprojection::Always => true,
+                Reprojection::WhileStill => self.last_view == Some(request.view),
+                Reprojection::Never => false,
+            },
+            fresh: true,
+            fill: Default::default(),
+            shading: request.shading,
+            files: self.file_colors.clone(),
+            averaging: None,
+            aside: false,
+        }
     }
 
     /// Brings the last frame back.
@@ -323,32 +301,27 @@ impl<B: Backend> Progressive<B> {
         self.backend.read()
     }
 
-    fn draw(
-        &mut self,
-        request: &FrameRequest,
-        reproject: bool,
-        fresh: bool,
-        fill: [std::ops::Range<u32>; 2],
-    ) -> Result<(), RenderError> {
-        let files = self.file_colors.clone();
+    fn draw(&mut self, plan: &FramePlan) -> Result<(), RenderError> {
         // If the frame fails, nothing of it counts as tried or shown.
         self.last_view = None;
-        let plan =
-            FramePlan { view: request.view, reproject, fresh, fill, shading: request.shading, files, aside: false };
-        self.backend.draw(&plan)?;
+        self.backend.draw(plan)?;
         self.undrawn = 0;
-        self.last_view = Some(request.view);
-        self.last_shading = Some(request.shading);
+        self.last_view = Some(plan.view);
+        self.last_shading = Some(plan.shading);
+        self.last_passes = plan.passes();
+        self.words_are_gone = false;
         Ok(())
     }
 
-    fn report(&self, drawn: bool, fill: u32) -> FrameReport {
+    fn report(&self, request: &FrameRequest, drawn: bool, fill: u32) -> FrameReport {
         FrameReport {
             drawn,
             points_stored: self.stored.into(),
             points_tried: self.coverage.tried().into(),
             settled: !self.unsettled,
             fill,
+            high_quality: request.shading.high_quality,
+            points_averaged: self.averages.points(),
         }
     }
 
@@ -356,6 +329,7 @@ impl<B: Backend> Progressive<B> {
     fn restart(&mut self) {
         self.coverage.restart();
         self.unsettled = false;
+        self.averages.invalidate();
     }
 
     /// Inserts what waits, as far as one frame may. Once memory is full, nothing more is inserted and
@@ -376,6 +350,7 @@ impl<B: Backend> Progressive<B> {
             self.undrawn += 1;
             self.unsettled |= self.stored > 0;
             self.coverage.note_inserted(self.stored, count);
+            self.averages.invalidate();
             self.stored += count;
             self.insertions += 1;
         }

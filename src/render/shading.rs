@@ -1,3 +1,8 @@
+//! Lighting and averaging in numbers, shared by the backends.
+//!
+//! High-quality shading (Schütz and Wimmer 2019): a pixel shows the mean colour of all fragments that lie
+//! no more than [`AVERAGED_DEPTH`] times as far as its front.
+//!
 //! Eye-dome lighting (Boucheny 2009): a pixel is darkened by how far it lies behind its neighbours.
 //! Twin of `edl_shade` in `shaders/light.wgsl`.
 //!
@@ -35,4 +40,19 @@ pub fn edl_product(product: f32, depth: f32, neighbour: f32) -> f32 {
 /// What the colour of a pixel with this product is multiplied by; 1 for strength 0.
 pub fn edl_shade(product: f32, strength: f32) -> f32 {
     (-EDL_GAIN * strength * product.log2()).exp2()
+}
+
+/// Fragments up to this many times the front depth are averaged. `shaders/average.wgsl` has the same number.
+pub const AVERAGED_DEPTH: f32 = 1.01;
+
+/// About so many fragments of a pixel enter its sums, later ones are left out: 255 times as many, and those
+/// of a million threads that looked before, fit into 32 bits. The mean of 15 million differs from that of
+/// all by less than a colour level can show, unless the order of the points was chosen to.
+pub const MOST_FRAGMENTS: u64 = 15 << 20;
+
+/// The mean colour of the front point and the fragments in the sums (red, green, blue, number), rounded
+/// to the nearest. Twin of `color_average` in `shaders/resolve_average.wgsl`.
+pub fn average(front: [u8; 3], sums: [u64; 4]) -> [u8; 3] {
+    let count = sums[3] + 1;
+    [0, 1, 2].map(|channel| ((sums[channel] + u64::from(front[channel]) + count / 2) / count) as u8)
 }

@@ -19,7 +19,7 @@ use super::{
     loading::{Drained, End, First, Loading},
     messages::{Messages, Severity},
     navigation::Navigation,
-    overlay::{self, Ask, Settings, Status},
+    overlay::{self, Ask, Averages, Settings, Status},
     probe::Probe,
 };
 use crate::{
@@ -63,7 +63,7 @@ pub struct App {
 
 impl App {
     pub fn new(ctx: &Context, state: &RenderState, options: Options) -> Result<App, RenderError> {
-        let backend = GpuBackend::on_device(&state.adapter, state.device.clone(), state.queue.clone(), options.raster)?;
+        let backend = GpuBackend::on_device(&state.adapter, state.device.clone(), state.queue.clone(), options.method)?;
         let software = state.adapter.get_info().device_type == wgpu::DeviceType::Cpu;
         ctx.set_theme(egui::Theme::Dark);
         let store = StoreOptions { seed: options.seed, ..Default::default() };
@@ -78,7 +78,7 @@ impl App {
             navigation: None,
             hand: Hand::default(),
             probe: Probe::new(&state.device, &state.queue),
-            settings: Settings { point_size, edl: true, overlay: true, help: false },
+            settings: Settings { point_size, edl: true, high_quality: false, overlay: true, help: false },
             messages: Messages::default(),
             size: [0, 0],
             undrawable: None,
@@ -212,9 +212,19 @@ impl App {
             device_secs: self.progressive.last_pass_times().map(|times| times.total()),
             window_secs: self.pace.secs,
             points_tried: self.last_report.map_or(0, |report| report.points_tried),
+            averages: self.averages(),
             adapter: info.adapter.clone(),
-            raster: info.raster.to_string(),
+            choice: info.choice.clone(),
         })
+    }
+
+    fn averages(&self) -> Averages {
+        let points = self.last_report.map_or(0, |report| report.points_averaged);
+        match (self.settings.high_quality, self.progressive.averages_in_motion(self.fill_budget())) {
+            (false, _) => Averages::Off,
+            (true, true) => Averages::On(points),
+            (true, false) => Averages::AtRest(points),
+        }
     }
 
     fn show_overlay(&mut self, ui: &Ui) -> Option<Ask> {
@@ -239,6 +249,22 @@ impl App {
             overlay::drop_target(ui.ctx());
         }
         asked
+    }
+
+    /// Lets the backend measure which method is the fastest, a few milliseconds a frame, while nothing
+    /// moves: neither the picture nor the hand on the mouse.
+    fn measure_at_rest(&mut self, ctx: &Context) {
+        let again = if ctx.input(|i| i.pointer.any_down()) {
+            Ok(Some(STATUS_INTERVAL))
+        } else {
+            self.progressive.backend_mut().measure_at_rest()
+        };
+        match again {
+            Ok(Some(time)) => ctx.request_repaint_after(time),
+            Ok(None) => {}
+            // The next frame's error is the one to show.
+            Err(error) => log::error!("{error}"),
+        }
     }
 
     /// Asks what the cursor is on, for the next move of the mouse.
@@ -307,6 +333,9 @@ impl eframe::App for App {
         // Nobody will see the frame after the last.
         let closing = ctx.input(|i| i.viewport().close_requested());
         let mut again = !closing && (self.advance() || flying);
+        if !closing && !again {
+            self.measure_at_rest(&ctx);
+        }
         self.paint(ui);
         self.feel(&ctx, &picture);
 
@@ -346,7 +375,7 @@ fn draw(
     settings: &Settings,
     fill: FillBudget,
 ) -> Result<FrameReport, RenderError> {
-    let mut shading = Shading::default();
+    let mut shading = Shading { high_quality: settings.high_quality, ..Default::default() };
     if !settings.edl {
         shading.edl_strength = 0.0;
     }
@@ -356,7 +385,15 @@ fn draw(
         Err(error) => {
             log::error!("{error}");
             let stored = progressive.points_stored();
-            Ok(FrameReport { drawn: false, points_stored: stored, points_tried: stored, settled: true, fill: 0 })
+            Ok(FrameReport {
+                drawn: false,
+                points_stored: stored,
+                points_tried: stored,
+                settled: true,
+                fill: 0,
+                high_quality: shading.high_quality,
+                points_averaged: stored,
+            })
         }
     }
 }

@@ -121,6 +121,7 @@ pub fn keys(ctx: &Context, settings: &mut Settings) -> Option<Ask> {
             settings.point_size = (settings.point_size + 1).min(*POINT_SIZES.end());
         }
         settings.edl ^= pressed(&[Key::L]);
+        settings.high_quality ^= pressed(&[Key::B]);
         settings.overlay ^= pressed(&[Key::O]);
         settings.help ^= pressed(&[Key::F1, Key::Questionmark]);
         if pressed(&[Key::Escape]) {

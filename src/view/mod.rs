@@ -25,7 +25,7 @@ use crate::render::{GpuBackend, RasterChoice, RenderError};
 pub struct Options {
     /// Files and folders; none: an empty window that waits for a drop.
     pub inputs: Vec<PathBuf>,
-    pub raster: RasterChoice,
+    pub method: RasterChoice,
     /// Width of a point, 1 to 8 pixels.
     pub point_size: u32,
     pub seed: u64,

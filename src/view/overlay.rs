@@ -6,6 +6,7 @@ use eframe::egui::{
 };
 
 use super::format::{count, duration, percent};
+use crate::render::{Choice, Clock};
 
 /// Sizes of points that the controls offer.
 pub const POINT_SIZES: std::ops::RangeInclusive<u32> = 1..=8;
@@ -41,8 +42,21 @@ pub struct Status {
     /// From window frame to window frame, while they follow each other.
     pub window_secs: f64,
     pub points_tried: u64,
+    pub averages: Averages,
     pub adapter: String,
-    pub raster: String,
+    /// Which method draws, and the figures behind it.
+    pub choice: Option<Choice>,
+}
+
+/// How high-quality shading stands.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Averages {
+    #[default]
+    Off,
+    /// In every frame; so many points are in the averages that stay.
+    On(u64),
+    /// Only while nothing moves or loads: frames would take too long.
+    AtRest(u64),
 }
 
 /// What the user sets.
@@ -50,6 +64,7 @@ pub struct Status {
 pub struct Settings {
     pub point_size: u32,
     pub edl: bool,
+    pub high_quality: bool,
     pub overlay: bool,
     pub help: bool,
 }
@@ -87,7 +102,7 @@ pub fn bar(ctx: &egui::Context, status: &Status, settings: &mut Settings) -> Opt
                     ui.with_layout(Layout::left_to_right(Align::Center), |ui| loading_line(ui, status));
                 });
                 line(ui, |ui| {
-                    ui.add(Label::new(small(&format!("{} · {}", status.adapter, status.raster)).color(DIM)).truncate());
+                    device(ui, status);
                     ui.with_layout(Layout::left_to_right(Align::Center), |ui| frame_line(ui, status));
                 });
             });
@@ -106,6 +121,50 @@ fn small(text: &str) -> RichText {
     RichText::new(text).font(FontId::proportional(12.5)).color(TEXT)
 }
 
+/// Who draws, with which method; why, and how fast the others are, when the mouse asks.
+fn device(ui: &mut Ui, s: &Status) {
+    let method = s.choice.as_ref().map_or(String::new(), |choice| format!(" · {}", choice.candidate));
+    let label = ui.add(Label::new(small(&format!("{}{method}", s.adapter)).color(DIM)).truncate());
+    if let Some(choice) = &s.choice {
+        label.on_hover_ui(|ui| choice_table(ui, choice));
+    }
+}
+
+fn choice_table(ui: &mut Ui, choice: &Choice) {
+    ui.label(small(&format!("{}: {}", choice.candidate, choice.reason)).strong().color(Color32::WHITE));
+    let Some(measurement) = &choice.measurement else { return };
+    let [width, height] = measurement.size_px;
+    let clock = choice.candidates.iter().find_map(|row| row.speed).map_or("", |speed| match speed.clock {
+        Clock::Device => "device timestamps",
+        Clock::Wall => "wall clock",
+    });
+    let text = format!(
+        "{} points at {width}×{height}, {} px, {} after the start, {clock}",
+        count(measurement.points.into()),
+        measurement.point_size_px,
+        duration(measurement.at_secs),
+    );
+    ui.label(small(&text).color(DIM));
+    egui::Grid::new("methods").num_columns(3).spacing(vec2(18.0, 2.0)).show(ui, |ui| {
+        for heading in ["points/s", "overview", "far"] {
+            ui.label(small(heading).color(DIM));
+        }
+        ui.end_row();
+        for row in choice.candidates.iter().filter(|row| row.speed.is_some()) {
+            let color = if row.candidate == choice.candidate { ACCENT } else { TEXT };
+            ui.label(small(&row.candidate.to_string()).color(color));
+            for rate in row.speed.iter().flat_map(|s| [s.overview_points_per_sec, s.far_points_per_sec]) {
+                ui.label(small(&count(rate as u64)).color(color));
+            }
+            ui.end_row();
+        }
+    });
+    let left_out = choice.candidates.iter().filter(|row| row.speed.is_none()).count();
+    if left_out > 0 {
+        ui.label(small(&format!("{left_out} more not measured")).color(DIM));
+    }
+}
+
 fn loading_line(ui: &mut Ui, s: &Status) {
     ui.add(Label::new(small(&s.files).strong().color(Color32::WHITE)).truncate());
     let read = percent(s.points_read, s.points_total);
@@ -121,8 +180,14 @@ fn loading_line(ui: &mut Ui, s: &Status) {
 fn frame_line(ui: &mut Ui, s: &Status) {
     let fixed = if s.fill_is_fixed { " (fixed)" } else { "" };
     let device = s.device_secs.map_or("–".to_owned(), duration);
+    let averages = match s.averages {
+        Averages::Off => String::new(),
+        Averages::On(points) => format!(" · HQ {}", percent(points, s.points_stored)),
+        Averages::AtRest(0) => " · HQ at rest".to_owned(),
+        Averages::AtRest(points) => format!(" · HQ at rest {}", percent(points, s.points_stored)),
+    };
     let text = format!(
-        "{} of the points tried · fill {} per frame{fixed} · device {device} · window {}",
+        "{} of the points tried{averages} · fill {} per frame{fixed} · device {device} · window {}",
         percent(s.points_tried, s.points_stored),
         count(s.fill.into()),
         duration(s.window_secs),
@@ -162,6 +227,8 @@ fn controls(ui: &mut Ui, settings: &mut Settings) -> Option<Ask> {
             asked = Some(ask);
         }
     }
+    ui.checkbox(&mut settings.high_quality, small("HQ"))
+        .on_hover_text("High quality: mean colour of all points within 1 % of the nearest (B)");
     ui.checkbox(&mut settings.edl, small("shading")).on_hover_text("Eye-dome lighting (L)");
     ui.spacing_mut().slider_width = 64.0;
     ui.add(Slider::new(&mut settings.point_size, POINT_SIZES).suffix(" px")).on_hover_text("Size of points ([ and ])");
@@ -195,7 +262,7 @@ pub fn drop_target(ctx: &egui::Context) {
 
 /// Keys and mouse.
 pub fn help(ctx: &egui::Context, settings: &mut Settings) {
-    const ROWS: [(&str, &str); 14] = [
+    const ROWS: [(&str, &str); 15] = [
         ("Left drag", "orbit"),
         ("Right or middle drag, Shift + left", "pan: the grabbed point follows"),
         ("Wheel, pinch", "zoom to the cursor"),
@@ -207,6 +274,7 @@ pub fn help(ctx: &egui::Context, settings: &mut Settings) {
         ("7, 1, 3", "from above, from the south, from the east"),
         ("[ ]  or  - =", "point size"),
         ("L", "eye-dome lighting on or off"),
+        ("B", "high quality (blends near points) on or off"),
         ("O", "this bar on or off"),
         ("F1, ?", "this help"),
         ("Drop files or folders", "open them instead"),

@@ -1,13 +1,13 @@
 //! The backends that can run here.
 
-use firstlight::render::{Backend, CpuBackend, GpuBackend, RasterChoice};
+use firstlight::render::{Backend, CpuBackend, GpuBackend, Raster, RasterChoice, RenderError};
 
-pub const RASTERS: [RasterChoice; 3] = [RasterChoice::Compute, RasterChoice::Compute32, RasterChoice::Hardware];
+pub const RASTERS: [Raster; 7] = Raster::ON_GPU;
 
 /// A backend on a GPU. Without one the test is skipped, loudly, or fails if FIRSTLIGHT_REQUIRE_GPU is
 /// set.
-pub fn gpu(raster: RasterChoice) -> Option<GpuBackend> {
-    match GpuBackend::headless(raster) {
+pub fn gpu(choice: impl Into<RasterChoice>) -> Option<GpuBackend> {
+    match GpuBackend::headless(choice.into()) {
         Ok(backend) => Some(backend),
         Err(error) => {
             assert!(std::env::var_os("FIRSTLIGHT_REQUIRE_GPU").is_none(), "a GPU is required: {error}");
@@ -23,14 +23,19 @@ fn skipped(why: &str) {
     let _ = writeln!(std::io::stderr(), "SKIPPED on a GPU: {why}");
 }
 
-/// A compute backend on a device that lacks features which the adapter may have.
-fn without(features: wgpu::Features) -> Option<GpuBackend> {
+/// A backend that chooses for itself, on a device that lacks features which the adapter may have.
+pub fn without(features: wgpu::Features) -> Option<GpuBackend> {
+    with_choice_without(RasterChoice::Auto, features).map(|backend| backend.expect("something runs everywhere"))
+}
+
+/// As [`without`], with this choice.
+pub fn with_choice_without(choice: RasterChoice, features: wgpu::Features) -> Option<Result<GpuBackend, RenderError>> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
     let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default())).ok()?;
     let mut descriptor = GpuBackend::device_descriptor(&adapter);
     descriptor.required_features.remove(features);
     let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).expect("fewer features than offered");
-    Some(GpuBackend::on_device(&adapter, device, queue, RasterChoice::Compute).expect("compute runs everywhere"))
+    Some(GpuBackend::on_device(&adapter, device, queue, choice))
 }
 
 /// Every backend, with the name that failures give it: the processor's, each rasterizer, and one with
@@ -42,14 +47,14 @@ pub fn all() -> Vec<(String, Box<dyn Backend>)> {
     ];
     for raster in RASTERS {
         let Some(backend) = gpu(raster) else { return all };
-        all.push((format!("{raster:?}"), Box::new(backend)));
+        all.push((raster.to_string(), Box::new(backend)));
     }
     if let Some(backend) = without(wgpu::Features::SHADER_INT64_ATOMIC_ALL_OPS | wgpu::Features::TIMESTAMP_QUERY) {
-        all.push(("Compute, 64-bit minimum only, no timestamps".into(), Box::new(backend)));
+        all.push(("64-bit minimum only, no timestamps".into(), Box::new(backend)));
     }
-    if let Some(mut backend) = gpu(RasterChoice::Compute) {
+    if let Some(mut backend) = gpu(Raster::EarlyZ) {
         backend.store_mut().set_page_points(Some(1000));
-        all.push(("Compute, pages of 1,000 points".into(), Box::new(backend)));
+        all.push(("early-z, pages of 1,000 points".into(), Box::new(backend)));
     }
     all
 }

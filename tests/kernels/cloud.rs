@@ -99,6 +99,10 @@ impl Cloud {
         Camera { eye, ..camera }
     }
 
+    pub fn positions(&self) -> &[[i32; 3]] {
+        &self.positions
+    }
+
     /// The points of `range` as a decoder sends them.
     pub fn batch(&self, range: Range<usize>) -> PointBatch {
         let mut stats = ColorStats::default();

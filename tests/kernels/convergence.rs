@@ -8,7 +8,7 @@ use std::sync::Arc;
 use firstlight::{
     render::{
         Backend, BackendInfo, Camera, CpuBackend, FillBudget, FramePlan, FrameReport, FrameRequest, PassTimes, Picture,
-        Progressive, RasterChoice, RenderError, Reprojection, Shading, StoreOptions,
+        Progressive, Raster, RenderError, Shading, StoreOptions, Sums,
     },
     scene::{PointBatch, SceneFacts},
     store::Insertion,
@@ -19,41 +19,41 @@ use crate::{backends, cloud::Cloud};
 const SIZE: [u32; 2] = [160, 120];
 
 /// A scene on its way into a backend.
-struct Session {
-    name: String,
-    progressive: Progressive<Box<dyn Backend>>,
+pub struct Session {
+    pub name: String,
+    pub progressive: Progressive<Box<dyn Backend>>,
 }
 
 impl Session {
     /// Opens `cloud` in each backend.
-    fn all(cloud: &Cloud, options: StoreOptions) -> Vec<Session> {
+    pub fn all(cloud: &Cloud, options: StoreOptions) -> Vec<Session> {
         let open = |(name, backend)| Session::new(name, backend, &cloud.facts, options);
         backends::all().into_iter().map(open).collect()
     }
 
-    fn new(name: String, backend: Box<dyn Backend>, facts: &SceneFacts, options: StoreOptions) -> Session {
+    pub fn new(name: String, backend: Box<dyn Backend>, facts: &SceneFacts, options: StoreOptions) -> Session {
         let mut progressive = Progressive::new(backend, options);
         progressive.open(Arc::new(facts.clone()));
         Session { name, progressive }
     }
 
-    fn frame(&mut self, request: &FrameRequest) -> FrameReport {
+    pub fn frame(&mut self, request: &FrameRequest) -> FrameReport {
         self.progressive.frame(request).unwrap_or_else(|e| panic!("{}: {e}", self.name))
     }
 
-    fn read(&mut self) -> Picture {
+    pub fn read(&mut self) -> Picture {
         self.progressive.read().unwrap_or_else(|e| panic!("{}: {e}", self.name))
     }
 
     /// Offers the cloud's points from `range` in pieces of `piece`.
-    fn offer(&mut self, cloud: &Cloud, range: std::ops::Range<usize>, piece: usize) {
+    pub fn offer(&mut self, cloud: &Cloud, range: std::ops::Range<usize>, piece: usize) {
         for start in range.clone().step_by(piece) {
             self.progressive.offer(cloud.batch(start..range.end.min(start + piece)));
         }
     }
 
     /// Frames until all is loaded and converged; what `each` sees after every one of them.
-    fn converge(&mut self, request: &FrameRequest, mut each: impl FnMut(&mut Session)) -> Picture {
+    pub fn converge(&mut self, request: &FrameRequest, mut each: impl FnMut(&mut Session)) -> Picture {
         for _ in 0..10_000 {
             let report = self.frame(request);
             each(self);
@@ -64,13 +64,13 @@ impl Session {
         panic!("{}: no convergence in 10,000 frames", self.name);
     }
 
-    fn brute_force(&mut self, request: &FrameRequest) -> Picture {
+    pub fn brute_force(&mut self, request: &FrameRequest) -> Picture {
         self.progressive.brute_force(request).unwrap_or_else(|e| panic!("{}: {e}", self.name));
         self.read()
     }
 
     /// Converges, and demands the picture of all points at once.
-    fn assert_exact(&mut self, request: &FrameRequest, case: &str) -> Picture {
+    pub fn assert_exact(&mut self, request: &FrameRequest, case: &str) -> Picture {
         let progressive = self.converge(request, |_| ());
         let all = self.brute_force(request);
         if let Some(difference) = difference(&progressive, &all) {
@@ -81,7 +81,7 @@ impl Session {
 }
 
 /// How two pictures differ, if they do.
-fn difference(a: &Picture, b: &Picture) -> Option<String> {
+pub fn difference(a: &Picture, b: &Picture) -> Option<String> {
     if (a.width, a.height) != (b.width, b.height) {
         return Some(format!("{}x{} against {}x{} pixels", a.width, a.height, b.width, b.height));
     }
@@ -96,16 +96,16 @@ fn difference(a: &Picture, b: &Picture) -> Option<String> {
     Some(format!("{count} pixels, the first at {at:?}: {} against {}", show(a), show(b)))
 }
 
-fn request(cloud: &Cloud, camera: &Camera, point_size: u32, fill: u32) -> FrameRequest {
+pub fn request(cloud: &Cloud, camera: &Camera, point_size: u32, fill: u32) -> FrameRequest {
     let view = camera.view(&cloud.facts.grid, SIZE, point_size).expect("a camera that can be used");
     FrameRequest { view, fill: FillBudget::Fixed(fill), shading: Shading::default() }
 }
 
-fn options(insertion_points: u32) -> StoreOptions {
+pub fn options(insertion_points: u32) -> StoreOptions {
     StoreOptions { insertion_points, ..Default::default() }
 }
 
-fn covered(picture: &Picture) -> usize {
+pub fn covered(picture: &Picture) -> usize {
     picture.records.iter().filter(|&&r| r >= 0).count()
 }
 
@@ -177,56 +177,6 @@ fn camera_moved_after_loading() {
         let picture = session.assert_exact(&request(&cloud, &away, 2, 7919), "looking away");
         assert_eq!(covered(&picture), 0);
     }
-}
-
-#[test]
-fn a_picture_aside_leaves_no_trace() {
-    let cloud = Cloud::town(30_000).in_random_order();
-    for (mut watched, mut alone) in
-        Session::all(&cloud, options(1000)).into_iter().zip(Session::all(&cloud, options(1000)))
-    {
-        let (mut unlike, mut step) = (0, 0);
-        for start in (0..cloud.len()).step_by(3000) {
-            let request = request(&cloud, &cloud.camera_moved(step / 3), 2, 700);
-            for session in [&mut watched, &mut alone] {
-                session.offer(&cloud, start..start + 3000, 1000);
-                session.frame(&request);
-            }
-            let picture = watched.read();
-            let truth = watched.progressive.truth(&request).unwrap();
-            unlike += usize::from(difference(&picture, &truth).is_some());
-            assert_eq!(difference(&picture, &alone.read()), None, "{}, step {step}", watched.name);
-            step += 1;
-        }
-        assert!(unlike > 2, "{}: it is another picture than the frame's", watched.name);
-        let request = request(&cloud, &cloud.camera_moved(1), 2, 700);
-        let truth = watched.progressive.truth(&request).unwrap();
-        assert_eq!(difference(&truth, &alone.brute_force(&request)), None, "{}", watched.name);
-    }
-}
-
-#[test]
-fn other_ways_to_reproject_are_worse() {
-    let cloud = Cloud::town(30_000).in_random_order();
-    let covered_after = |reprojection| {
-        let mut session = Session::new("cpu".into(), Box::new(CpuBackend::new(Some(2))), &cloud.facts, options(30_000));
-        session.progressive.set_reprojection(reprojection);
-        session.offer(&cloud, 0..cloud.len(), cloud.len());
-        session.progressive.end_of_input();
-        let at = |step| request(&cloud, &cloud.camera_moved(step), 2, 700);
-        session.converge(&at(0), |_| ());
-        session.frame(&at(1));
-        let moved = covered(&session.read());
-        session.frame(&at(1));
-        (moved, covered(&session.read()))
-    };
-    let always = covered_after(Reprojection::Always);
-    let while_still = covered_after(Reprojection::WhileStill);
-    let never = covered_after(Reprojection::Never);
-    assert!(2 * always.0 > 3 * while_still.0, "{always:?} {while_still:?}");
-    assert_eq!(while_still.0, never.0, "the first frame of another view is a sample");
-    assert!(5 * while_still.1 > 6 * never.1, "{while_still:?} gathers, {never:?} does not");
-    assert!(never.1 < while_still.1);
 }
 
 #[test]
@@ -309,7 +259,7 @@ fn pixels_are_lost_without_the_look_up() {
     let mut cpu = CpuBackend::new(Some(2));
     cpu.set_relocation(false);
     let mut without: Vec<Box<dyn Backend>> = vec![Box::new(cpu)];
-    if let Some(mut gpu) = backends::gpu(RasterChoice::Compute) {
+    if let Some(mut gpu) = backends::gpu(Raster::EarlyZ) {
         gpu.store_mut().set_relocation(false);
         without.push(Box::new(gpu));
     }
@@ -381,6 +331,9 @@ struct Small {
 impl Backend for Small {
     fn info(&self) -> &BackendInfo {
         self.cpu.info()
+    }
+    fn sums(&self) -> Sums {
+        self.cpu.sums()
     }
     fn reset(&mut self, points: u64) {
         self.cpu.reset(points);

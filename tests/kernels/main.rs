@@ -6,11 +6,15 @@
     reason = "a test fails where it stands, and says that it is skipped"
 )]
 
+mod aside;
 mod backends;
+mod choice;
 mod cloud;
 mod convergence;
+mod high_quality;
 mod projection;
 mod shaders;
+mod slow;
 mod twins;
 #[path = "../shared/wgsl.rs"]
 mod wgsl;

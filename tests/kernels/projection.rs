@@ -135,7 +135,6 @@ fn one_subtraction_gives_the_bits_of_two() {
         let target = [eye[0], eye[1] + 1000.0, eye[2]];
         Camera { eye, target, up: [0.0, 0.0, 1.0], fov_y_deg: 60.0 }.view(&grid, SIZE, 1).unwrap()
     };
-    let is_near = |view: View, low: i32, high: i32| view.within([low; 3], [high; 3]).row_x[3] != 0.0;
     for (eye, low, high, expected) in [
         (0.0, i32::MIN, i32::MAX, true),
         (0.25, i32::MIN, i32::MAX, true),
@@ -147,7 +146,7 @@ fn one_subtraction_gives_the_bits_of_two() {
         (2_147_483_648.0, 0, 100, false),
         (-7e12, 0, 100, false),
     ] {
-        assert_eq!(is_near(at([eye; 3]), low, high), expected, "{eye}, {low} to {high}");
+        assert_eq!(at([eye; 3]).is_near([low; 3], [high; 3]), expected, "{eye}, {low} to {high}");
     }
     for eye in [0.0, 1234.0, -70_000.0, 1.5e9, -1.9e9] {
         let view = at([eye, eye, eye]);

@@ -25,7 +25,7 @@ fn all_modules_are_valid() {
 
 #[test]
 fn validation_can_fail() {
-    let shader = &shaders::RASTER_64;
+    let shader = &shaders::EARLY_Z;
     assert!(validate(&shader.source(), Capabilities::empty()).is_err(), "64-bit atomics need a capability");
     let broken = shaders::CLEAR.source().replace("vec2<u32>(0xffffffffu)", "vec2<f32>(0.0)");
     assert!(validate(&broken, Capabilities::empty()).is_err());
@@ -43,6 +43,17 @@ macro_rules! host_layout {
     ($ty:ty: $($field:ident),+) => {
         (vec![$((stringify!($field).to_owned(), offset_of!($ty, $field) as u32)),+], size_of::<$ty>() as u32)
     };
+}
+
+/// No kernel asks for more than WebGPU promises.
+#[test]
+fn eight_storage_buffers_are_enough() {
+    for shader in shaders::ALL {
+        let module = validate(&shader.source(), capabilities(shader.needs)).expect("a valid module");
+        let is_storage = |space: &naga::AddressSpace| matches!(space, naga::AddressSpace::Storage { .. });
+        let count = module.global_variables.iter().filter(|(_, variable)| is_storage(&variable.space)).count();
+        assert!(count <= 8, "{}: {count} storage buffers", shader.name);
+    }
 }
 
 #[test]
@@ -63,8 +74,13 @@ fn host_structs_have_the_layout_of_the_shaders() {
 }
 
 #[test]
-fn group_size_and_rounds_are_the_hosts() {
+fn constants_are_the_hosts() {
     let source = shaders::INSERT.source();
     assert!(source.contains(&format!("const GROUP: u32 = {}u;", firstlight::gpu::kernel::GROUP)));
     assert!(source.contains(&format!("const ROUNDS: u32 = {}u;", firstlight::store::ROUNDS)));
+    let window = format!("const AVERAGED_DEPTH: f32 = {};", firstlight::render::AVERAGED_DEPTH);
+    let most = format!("const MOST_FRAGMENTS: u32 = {}u << 20u;", firstlight::render::MOST_FRAGMENTS >> 20);
+    for shader in [shaders::AVERAGE_32, shaders::AVERAGE_64] {
+        assert!(shader.source().contains(&window) && shader.source().contains(&most), "{}", shader.name);
+    }
 }

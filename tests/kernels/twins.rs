@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use firstlight::{
     render::{
-        Backend, Camera, CpuBackend, FileColor, FillBudget, FramePlan, FrameRequest, Picture, Progressive,
-        RasterChoice, Shading, StoreOptions,
+        Backend, Camera, CpuBackend, FileColor, FillBudget, FramePlan, FrameRequest, Picture, Progressive, Raster,
+        Shading, StoreOptions,
     },
     scene::ColorRule,
     store::{Insertion, SlotOrder},
@@ -66,20 +66,20 @@ fn check(r: Run, page_points: Option<u32>) {
         backend.store_mut().set_page_points(page_points);
         let (progressive, brute) = run(Box::new(backend), &r);
         let n = progressive.records.len();
-        assert_eq!(differing(&progressive.records, &brute.records), 0, "{raster:?}: progressive against brute force");
+        assert_eq!(differing(&progressive.records, &brute.records), 0, "{raster}: progressive against brute force");
         let shown = progressive.records.iter().filter(|&&record| record >= 0).count();
         let different = differing(&progressive.records, &cpu.records);
         eprintln!(
-            "{raster:?}, {} points, pages {page_points:?}: {shown} of {n} pixels shown, {different} unlike the CPU",
+            "{raster}, {} points, pages {page_points:?}: {shown} of {n} pixels shown, {different} unlike the CPU",
             r.points
         );
-        assert!(shown * 20 > n.min(r.points as usize), "{raster:?}: {shown} of {n} pixels shown");
+        assert!(shown * 20 > n.min(r.points as usize), "{raster}: {shown} of {n} pixels shown");
         // Float rounding may decide a pixel where a device fuses multiplication and addition.
-        assert!(different * 1000 <= n, "{raster:?}: {different} of {n} pixels unlike the CPU's");
+        assert!(different * 1000 <= n, "{raster}: {different} of {n} pixels unlike the CPU's");
         let colors: Vec<u8> = progressive.rgba.iter().flatten().copied().collect();
         let expected: Vec<u8> = cpu.rgba.iter().flatten().copied().collect();
         let off = colors.iter().zip(&expected).filter(|(a, b)| a.abs_diff(**b) > 1).count();
-        assert!(off * 100 <= n, "{raster:?}: {off} channels off by more than one level");
+        assert!(off * 100 <= n, "{raster}: {off} channels off by more than one level");
     }
 }
 
@@ -90,7 +90,7 @@ fn insertion_equals_its_twin() {
     let other = [SlotOrder::BatchShuffled, SlotOrder::Arrival].map(|order| (Some(4097), order));
     for (page_points, order) in [None, Some(64), Some(4097)].map(|p| (p, SlotOrder::Shuffled)).into_iter().chain(other)
     {
-        let Some(mut backend) = gpu(RasterChoice::Compute) else { return };
+        let Some(mut backend) = gpu(Raster::EarlyZ) else { return };
         // Pages of 64 points would be thousands at the larger sizes.
         let batches = if page_points == Some(64) { &batches[..11] } else { &batches[..] };
         let total: u32 = batches.iter().sum();
@@ -106,6 +106,8 @@ fn insertion_equals_its_twin() {
             backend.insert(&insertion, &batch).unwrap();
             let plan = FramePlan {
                 view,
+                keeps_depths: false,
+                averaging: None,
                 reproject: true,
                 fresh: true,
                 fill: [0..0, 0..0],
@@ -143,7 +145,7 @@ fn pages_change_nothing() {
             })
             .collect();
         if let [whole, paged] = &pictures[..] {
-            assert!(whole == paged, "{raster:?}: {} pixels differ", differing(&whole.records, &paged.records));
+            assert!(whole == paged, "{raster}: {} pixels differ", differing(&whole.records, &paged.records));
         }
     }
 }

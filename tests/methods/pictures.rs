@@ -1,7 +1,7 @@
 //! The picture of each method against its twin's.
 
 use firstlight::{
-    methods::{Cloud, Drawn, Encoding, Gpu, Launch, METHODS, Method, NO_POINT, Runner, by_name, twin},
+    methods::{Arranged, Cloud, Drawn, Encoding, Gpu, Launch, METHODS, Method, NO_POINT, Runner, by_name, twin},
     render::View,
 };
 
@@ -74,7 +74,7 @@ fn sizes_around_groups_and_pages() {
         let cloud = clouds::cube(points);
         for (encoding, page, launch) in [
             (Encoding::Wide, None, Launch::PLAIN),
-            (Encoding::Packed, Some(1000), Launch::TUNED),
+            (Encoding::Packed, Some(1000), Launch::tuned(Encoding::Packed)),
             (Encoding::Wide, Some(63), Launch { threads: 128, points: 2, is_spread: true }),
         ] {
             let mut runner = Runner::with_pages(&gpu, &cloud, encoding, size, page).unwrap();
@@ -88,16 +88,14 @@ fn sizes_around_groups_and_pages() {
     }
 }
 
-/// A cloud is uploaded in pieces of 2²⁰ points; the second piece once overran the wide encoding's colours.
+/// A cloud is uploaded in pieces of 2²³ points; the second piece once overran the wide encoding's colours.
 #[test]
 fn a_cloud_of_several_uploads() {
     let Some(gpu) = clouds::gpu() else { return };
-    let (cloud, size) = (clouds::cube((1 << 20) + 3), [160, 120]);
-    for encoding in ENCODINGS {
+    let (cloud, size) = (clouds::cube((1 << 23) + 3), [160, 120]);
+    for (encoding, name) in [(Encoding::Wide, "two-pass-32"), (Encoding::Packed, "hqs")] {
         let mut runner = Runner::new(&gpu, &cloud, encoding, size).unwrap();
-        for name in ["two-pass-32", "hqs"] {
-            check(&gpu, &mut runner, by_name(name).unwrap(), &cloud, &clouds::overview(size), name);
-        }
+        check(&gpu, &mut runner, by_name(name).unwrap(), &cloud, &clouds::overview(size), name);
     }
 }
 
@@ -114,7 +112,11 @@ fn a_dispatch_of_several_rows() {
     let mut runner = Runner::new(&gpu, &cloud, Encoding::Packed, size).unwrap();
     // The eye is between the two.
     let view = clouds::along_y(size, 0.000_5);
-    for (name, launch) in [("early-z", Launch::PLAIN), ("reduce", Launch::TUNED), ("two-pass-32", Launch::TUNED)] {
+    for (name, launch) in [
+        ("early-z", Launch::PLAIN),
+        ("reduce", Launch::tuned(Encoding::Packed)),
+        ("two-pass-32", Launch::tuned(Encoding::Packed)),
+    ] {
         let method = by_name(name).unwrap();
         if gpu.supports(method).is_ok() {
             runner.set_launch(launch);
@@ -149,6 +151,34 @@ fn packed_equals_wide_bit_for_bit() {
                 assert!(off <= allowed(&gpu, a.point.len()), "{}: {off} pixels differ", method.name);
                 assert!(a.point.iter().any(|&point| point != NO_POINT), "{}: something is shown", method.name);
             }
+        }
+    }
+}
+
+/// One runner with one cloud after the other draws what new runners would; unloaded, nothing.
+#[test]
+fn a_runner_takes_other_clouds() {
+    let Some(gpu) = clouds::gpu() else { return };
+    let (size, view) = ([64, 48], clouds::overview([64, 48]));
+    let few = clouds::lines(501);
+    let back: Vec<u32> = (0..3000).rev().collect();
+    let cube = clouds::cube(4000);
+    for encoding in ENCODINGS {
+        let mut runner = Runner::new(&gpu, &few, encoding, size).unwrap();
+        for method in methods(&gpu) {
+            runner.load(&few).unwrap();
+            check(&gpu, &mut runner, method, &few, &view, method.name);
+            // In an order that leaves points out: as a cloud that has the rest, turned round.
+            runner.load(Arranged { cloud: &cube, order: Some(&back) }).unwrap();
+            assert_eq!(runner.points(), 3000);
+            let turned = Cloud {
+                positions: back.iter().map(|&i| cube.positions[i as usize]).collect(),
+                colors: back.iter().map(|&i| cube.colors[i as usize]).collect(),
+            };
+            check(&gpu, &mut runner, method, &turned, &view, method.name);
+            runner.unload().unwrap();
+            let nothing = runner.draw(method, &view).unwrap();
+            assert!(nothing.point.iter().all(|&point| point == NO_POINT), "{}", method.name);
         }
     }
 }

@@ -20,7 +20,7 @@ const ENCODINGS: [Encoding; 2] = [Encoding::Wide, Encoding::Packed];
 fn all_kernels_are_valid_in_both_encodings() {
     let mut failures = Vec::new();
     for kernel in modules::ALL {
-        for (encoding, launch) in ENCODINGS.iter().flat_map(|&e| [(e, Launch::PLAIN), (e, Launch::TUNED)]) {
+        for (encoding, launch) in ENCODINGS.iter().flat_map(|&e| [(e, Launch::PLAIN), (e, Launch::tuned(e))]) {
             match validate(&kernel.source(encoding, launch), capabilities(kernel.needs)) {
                 Err(error) => failures.push(format!("{} {encoding:?}:\n{error}", kernel.name)),
                 Ok(module) => assert!(

@@ -180,7 +180,7 @@ pub fn gpu_or_skip() -> bool {
 pub fn ways_to_draw() -> Vec<&'static str> {
     let mut ways = vec!["--backend cpu"];
     if gpu_or_skip() {
-        ways.extend(["--raster compute", "--raster compute32", "--raster hardware"]);
+        ways.extend(["--method early-z", "--method two-pass-32", "--method reduce-early-z:64", "--method points"]);
     }
     ways
 }

@@ -34,11 +34,12 @@ fn every_mistake_has_its_line_and_its_code() {
         ("a.las -o x.png --fill many", 2, &["--fill", "250k", "many"]),
         ("a.las -o x.png --stop later", 2, &["--stop", "converged", "later"]),
         ("a.las -o x.png --stop frames=0", 2, &["--stop", "frames=1"]),
-        ("a.las -o x.png --raster paint", 2, &["--raster", "compute", "hardware"]),
+        ("a.las -o x.png --method paint", 2, &["--method", "early-z", "points"]),
+        ("a.las -o x.png --method just-set", 2, &["no depth test", "early-z", "firstlight bench"]),
         ("a.las -o x.png --edl -1", 2, &["--edl"]),
         ("a.las -o x.png --no-such-flag", 2, &["--no-such-flag"]),
         ("a.las -o x.png --brute-force --stop frames=3", 2, &["--brute-force", "--stop"]),
-        ("a.las -o x.png --backend cpu --raster compute", 2, &["--raster", "--backend cpu"]),
+        ("a.las -o x.png --backend cpu --method early-z", 2, &["--method", "--backend cpu"]),
         ("a.las -o x.png --depth ./x.png", 2, &["-o", "--depth", "x.png"]),
         ("a.las -o a.las", 2, &["-o", "a.las", "input"]),
         ("a.las -o x.png --camera none.json", 2, &["--camera", "none.json"]),
@@ -109,7 +110,7 @@ fn a_gpu_that_is_not_there_is_said() {
         let (code, message) = run("render a.las -o x.png --backend gpu");
         assert_eq!(code, Some(6), "{message}");
         assert!(message.contains("no GPU adapter") && message.contains("--backend cpu"), "{message}");
-        let (code, message) = run("render a.las -o x.png --raster hardware");
+        let (code, message) = run("render a.las -o x.png --method points");
         assert_eq!(code, Some(6), "{message}");
         assert!(!bench.path("x.png").exists());
         let (code, message) = run("render a.las -o x.png");

@@ -194,7 +194,7 @@ fn a_gpu_tells_what_uploading_takes() {
     bench.run("bench-ingest b.laz -o out --repeat 2 --threads 1 --backend gpu --size 160x120 -q").expect(0);
     let report = report(&bench);
     check(&report).unwrap();
-    assert_ne!(report["backend"]["raster"], "cpu");
+    assert_ne!(report["backend"]["method"], "cpu");
     let upload = |i: usize| report["files"][0]["screen"]["samples"][i]["upload_secs"].as_f64().unwrap();
     assert!(upload(0) > 0.0 && upload(1) > 0.0);
 }
@@ -252,7 +252,7 @@ fn what_goes_wrong_is_said_and_leaves_no_report() {
         ("a.las -o out --decoder zip", 2, &["--decoder", "own", "laz"]),
         ("a.las -o out --repeat 0", 2, &["--repeat"]),
         ("a.las -o out --threads 0", 2, &["--threads"]),
-        ("a.las -o out --backend cpu --raster compute", 2, &["--raster"]),
+        ("a.las -o out --backend cpu --method early-z", 2, &["--method"]),
         ("a.las -o out --no-screen --against no-such-program", 2, &["--against", "cannot be started", "a.las"]),
         ("missing.las -o out", 3, &["missing.las", "no such file"]),
         ("noise.laz -o out --no-screen", 3, &["noise.laz", "LASF"]),

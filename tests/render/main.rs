@@ -8,6 +8,7 @@
 
 mod bench;
 mod command_line;
+mod compare;
 mod damaged;
 mod ingest;
 mod measure;

@@ -41,12 +41,12 @@ fn the_virtual_clock_gives_the_same_report_on_every_adapter() {
         assert!(csv.lines().count() > 100);
     }
     if gpu_or_skip() {
-        for raster in ["compute", "compute32", "hardware"] {
-            let gpu = texts(raster, &format!("--backend gpu --raster {raster}"));
+        for method in ["early-z", "two-pass-32:64", "points"] {
+            let gpu = texts(&method.replace(':', "-"), &format!("--backend gpu --method {method}"));
             let mut gpu: Value = serde_json::from_str(&gpu).unwrap();
             assert_ne!(gpu["adapter"], parsed["adapter"]);
             gpu["adapter"] = parsed["adapter"].clone();
-            assert!(gpu == parsed, "{raster}");
+            assert!(gpu == parsed, "{method}");
         }
     }
 }
@@ -154,7 +154,7 @@ fn what_is_wrong_is_said_before_the_work() {
         ("a.las -o out --point-size 9", 2, "1..=8"),
         ("a.las -o out --baselines best", 2, "unshuffled"),
         ("a.las -o out --baselines unshuffled --no-baselines", 2, "cannot be used"),
-        ("a.las -o out --backend cpu --raster compute", 2, "--raster"),
+        ("a.las -o out --backend cpu --method early-z", 2, "--method"),
         ("a.las -o out --path none.json", 2, "at least one camera"),
         ("a.las -o out --path one.json", 2, "expected [{"),
         ("a.las -o out --path missing.json", 2, "missing.json"),

@@ -5,7 +5,7 @@ use std::fs;
 use firstlight::{render::Shading, synth::Scene};
 use sha2::{Digest, Sha256};
 
-use crate::bench::{Bench, Outputs, data, ways_to_draw};
+use crate::bench::{Bench, Outputs, data, gpu_or_skip, ways_to_draw};
 
 #[test]
 fn the_outputs_agree() {
@@ -51,6 +51,40 @@ fn progressive_is_brute_force() {
             assert_exact(&bench, input, way, "--size 500x400 --insertion-points 20k --fill 30k");
         }
         assert_exact(&bench, "town.laz planes.las", way, "--size 500x400 --point-size 2");
+    }
+}
+
+#[test]
+fn high_quality_is_brute_force() {
+    // Of three files, each coloured by another rule.
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("sample_data");
+    let folder = folder.to_str().unwrap();
+    let bench = Bench::new();
+    let mut pictures = Vec::new();
+    for way in ways_to_draw() {
+        for point_size in [1, 2] {
+            let args = format!("{folder} {way} --size 480x360 --point-size {point_size}");
+            let averaged = assert_exact(&bench, folder, way, &format!("--size 480x360 --point-size {point_size} --hq"));
+            assert_eq!(averaged.report["points_averaged"], averaged.report["points_stored"]);
+            let sums = averaged.report["high_quality"].as_str().unwrap();
+            assert!(sums == "hqs" || (sums == "hqs1r" && way != "--backend cpu"), "{way}: {sums}");
+            let brute_force = bench.render(&format!("{args} --hq --brute-force"));
+            assert!(averaged.png == brute_force.png, "{args}: other colours");
+            let few = bench.render(&format!("{args} --hq --fill 30k --insertion-points 20k"));
+            assert!(averaged.png == few.png, "{args}: other colours with many frames");
+            let plain = bench.render(&args);
+            assert!(plain.report["high_quality"].is_null());
+            assert!(plain.png != averaged.png && plain.ids == averaged.ids, "{args}");
+            let moving = bench.render(&format!("{args} --hq --stop frames=2 --fill 30k"));
+            assert!(moving.report["high_quality"].is_string() && moving.report["converged"] == false);
+            pictures.push((point_size, averaged.rgb()));
+        }
+    }
+    for (size, picture) in &pictures {
+        let (_, first) = pictures.iter().find(|(other, _)| other == size).unwrap();
+        let unlike = picture.iter().zip(first).filter(|(a, b)| a != b).count();
+        // Rounding may decide which pixel a point belongs to where a device fuses operations.
+        assert!(unlike * 200 <= picture.len(), "{unlike} of {} pixels unlike the processor's", picture.len());
     }
 }
 
@@ -155,6 +189,11 @@ fn the_reported_camera_gives_the_same_picture() {
     }
 }
 
+/// The workgroup size of `NAME:SIZE`.
+fn group_of(asked: &str) -> u32 {
+    asked.split_once(':').map_or(256, |(_, size)| size.parse().unwrap())
+}
+
 #[test]
 fn the_report_is_complete() {
     let bench = Bench::new();
@@ -174,9 +213,18 @@ fn the_report_is_complete() {
         assert_eq!(report["point_size_px"], 1);
         assert_eq!(report["files"][0]["kind"], "LAS 1.2, format 3");
         assert_eq!(report["files"][0]["first_record"], 0);
-        let raster = way.strip_prefix("--raster ").unwrap_or("cpu");
-        assert_eq!(report["rasterizer"], raster);
-        assert_eq!(report["backend"], if raster == "cpu" { "cpu" } else { "gpu" });
+        let asked = way.strip_prefix("--method ").unwrap_or("cpu");
+        let method = asked.split(':').next().unwrap();
+        assert_eq!(report["method"], method);
+        assert_eq!(report["backend"], if method == "cpu" { "cpu" } else { "gpu" });
+        if method == "cpu" {
+            assert!(report["choice"].is_null());
+        } else {
+            assert_eq!(report["choice"]["method"], method);
+            assert_eq!(report["choice"]["why"], "asked for");
+            let group = if method == "points" { serde_json::Value::Null } else { group_of(asked).into() };
+            assert_eq!(report["choice"]["group_size"], group);
+        }
         for key in ["program", "adapter", "api", "picture_sha256"] {
             assert!(!report[key].as_str().unwrap().is_empty(), "{key}");
         }
@@ -192,6 +240,47 @@ fn the_report_is_complete() {
             assert_eq!(report["outputs"][key], name);
         }
     }
+}
+
+#[test]
+fn the_choice_and_its_figures_are_in_the_reports() {
+    if !gpu_or_skip() {
+        return;
+    }
+    let bench = Bench::new();
+    bench.run("bench-frames --synth town:100k --at 100k --frames 2 --size 320x200 --json frames.json").expect(0);
+    let report: serde_json::Value = serde_json::from_slice(&fs::read(bench.path("frames.json")).unwrap()).unwrap();
+    let choice = &report["choice"];
+    assert_eq!(choice["why"], "measured", "{choice}");
+    assert_eq!(choice["method"], report["method"]);
+    assert!(!choice["reason"].as_str().unwrap().is_empty());
+    assert_eq!(choice["measurement"]["size_px"], serde_json::json!([320, 200]));
+    for key in ["at_secs", "took_secs", "points"] {
+        assert!(choice["measurement"][key].as_f64().unwrap() > 0.0, "{key}: {choice}");
+    }
+    let rows = choice["candidates"].as_array().unwrap();
+    assert_eq!(rows.len(), 19, "six methods in three group sizes, and point lists");
+    let mut speeds = 0;
+    for row in rows {
+        assert!(row["method"].is_string(), "{row}");
+        if row["speed"].is_null() {
+            assert!(!row["left_out"].as_str().unwrap().is_empty(), "{row}");
+            continue;
+        }
+        speeds += 1;
+        assert!(["device timestamps", "wall clock"].contains(&row["speed"]["clock"].as_str().unwrap()));
+        for view in ["overview_points_per_sec", "far_points_per_sec"] {
+            assert!(row["speed"][view].as_f64().unwrap() > 1e3, "{row}");
+        }
+    }
+    assert!(speeds > 0);
+
+    // A picture that is finished sooner says what it was drawn with, and why.
+    bench.scan("a.las", Scene::Town, 3_000);
+    let report = bench.render("a.las --size 64x48 --backend gpu").report;
+    assert_eq!(report["choice"]["why"], "default");
+    assert_eq!(report["choice"]["method"], report["method"]);
+    assert!(report["choice"]["measurement"].is_null());
 }
 
 #[test]

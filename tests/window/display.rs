@@ -6,7 +6,7 @@ use std::{
     process::{Child, Command, Stdio},
 };
 
-use firstlight::render::{GpuBackend, RasterChoice, Shading};
+use firstlight::render::{GpuBackend, Raster, Shading};
 
 /// As large as the window, which then fills it.
 const SIZE: (usize, usize) = (1280, 800);
@@ -40,7 +40,7 @@ impl Display {
             ask.arg("-help").env_remove("DISPLAY").stdout(Stdio::null()).stderr(Stdio::null());
             ask.status().map_err(|error| format!("{tool} (package {package}): {error}"))?;
         }
-        GpuBackend::headless(RasterChoice::Compute32).map_err(|error| error.to_string())?;
+        GpuBackend::headless(Raster::TwoPass32.into()).map_err(|error| error.to_string())?;
         let screen = format!("{}x{}x24", SIZE.0, SIZE.1);
         let mut server = Command::new("Xvfb")
             .args(["-displayfd", "1", "-screen", "0", &screen, "-nolisten", "tcp"])

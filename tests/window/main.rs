@@ -64,6 +64,9 @@ fn a_scan_appears_while_it_loads_and_the_mouse_moves_the_camera() {
     let (before, after) = (early.points(), complete.points());
     assert!(after > before + before / 20, "{before} pixels show points while loading, {after} afterwards");
 
+    // Nothing else goes on once the method is chosen.
+    viewer.wait_for_line("measured for 1280x800", PATIENCE);
+    std::thread::sleep(Duration::from_millis(200));
     let rests = viewer.count("at rest");
     let busy = viewer.cpu_time();
     std::thread::sleep(Duration::from_secs(2));
@@ -93,6 +96,26 @@ fn a_scan_appears_while_it_loads_and_the_mouse_moves_the_camera() {
     // Whatever was on screen before: the same camera gives the same picture, to the last bit.
     viewer.key("h");
     viewer.wait_for("the first picture again", PATIENCE, |v| (v.shot().difference(&complete) == 0).then_some(()));
+
+    // High quality: other colours, the same after the camera was elsewhere; without it, those from before.
+    let rests = viewer.count("at rest");
+    viewer.key("b");
+    viewer.wait_for_more("at rest", rests, PATIENCE);
+    let averaged = viewer.shot_at_rest();
+    averaged.save("8-high-quality");
+    assert!(averaged.difference(&complete) > SOME, "averages look like front points");
+    let rests = viewer.count("at rest");
+    viewer.xdotool("mousemove 400 400 click 4 click 4");
+    viewer.wait_for_more("at rest", rests, PATIENCE);
+    viewer.shot_at_rest().save("9-high-quality-zoomed");
+    viewer.key("h");
+    viewer.wait_for("the averages again", PATIENCE, |v| (v.shot().difference(&averaged) == 0).then_some(()));
+    viewer.key("b");
+    viewer.wait_for("the front points again", PATIENCE, |v| (v.shot().difference(&complete) == 0).then_some(()));
+
+    // A picture of another size is measured for as well, once it stays.
+    viewer.xdotool("search --onlyvisible --name firstlight windowsize --sync 1000 700");
+    viewer.wait_for_line("measured for 1000x700", PATIENCE);
 
     // Too small for any words, or for anything at all; then back.
     for size in ["60 30", "1 1", "1280 800"] {

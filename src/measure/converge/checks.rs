@@ -84,7 +84,7 @@ pub fn checks(report: &ConvergeReport) -> Vec<Check> {
 
 /// Whether two runs differ at most by their round.
 pub fn same_setting(a: &Run, b: &Run) -> bool {
-    (a.variant, a.fill, a.point_size_px, &a.raster) == (b.variant, b.fill, b.point_size_px, &b.raster)
+    (a.variant, a.fill, a.point_size_px, &a.method) == (b.variant, b.fill, b.point_size_px, &b.method)
 }
 
 fn told<T: Copy>(what: &str, found: Option<T>, holds: impl Fn(T) -> bool, tell: impl Fn(T) -> String) -> Check {
@@ -181,7 +181,7 @@ mod tests {
 
     fn run(variant: Variant, fill: Fill, point_size_px: u32, frames: Vec<Frame>) -> Run {
         let headline = Headline::of(&frames);
-        Run { variant, fill, point_size_px, raster: None, round: 1, headline, frames }
+        Run { variant, fill, point_size_px, method: None, round: 1, headline, frames }
     }
 
     /// A frame of which a sample of 100 of 1000 points should cover 0.5 ± 0.01.

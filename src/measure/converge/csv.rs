@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use super::{metrics::Metrics, report::ConvergeReport};
 
 /// Columns before the metrics. Empty: does not apply.
-const COLUMNS: &str = "variant,fill,point_size_px,raster,round,phase,frame,start_secs,frame_secs,points_stored,\
+const COLUMNS: &str = "variant,fill,point_size_px,method,round,phase,frame,start_secs,frame_secs,points_stored,\
 points_tried,frame_fill,points_drawn,converged,flicker_pixels,flicker_share,expected_sample,expected_of,expected_covered_share,\
 expected_covered_sigma,expected_front_share,expected_front_sigma,expected_right_share";
 
@@ -33,8 +33,8 @@ pub fn write_csv(out: &mut dyn Write, report: &ConvergeReport) -> io::Result<()>
     writeln!(out, "{COLUMNS}{}{}", of("received"), of("file"))?;
     let number = |value: Option<f64>| value.map_or_else(String::new, |v| v.to_string());
     for run in &report.runs {
-        let raster = run.raster.as_deref().unwrap_or("");
-        let head = format!("{},{},{},{raster},{}", run.variant.name(), run.fill, run.point_size_px, run.round);
+        let method = run.method.as_deref().unwrap_or("");
+        let head = format!("{},{},{},{method},{}", run.variant.name(), run.fill, run.point_size_px, run.round);
         for f in &run.frames {
             let mut cells = vec![head.clone(), f.phase.clone(), f.frame.to_string()];
             cells.push(number(f.times.map(|times| times.start_secs)));
@@ -106,7 +106,7 @@ mod tests {
             variant: Variant::Firstlight,
             fill: Fill::Points(2000),
             point_size_px: 2,
-            raster: None,
+            method: None,
             round: 1,
             headline: Headline::of(&frames),
             frames,

@@ -3,8 +3,8 @@
 use crate::{
     headless::make_backend,
     render::{
-        Backend, BackendInfo, Camera, CameraError, FillBudget, FrameReport, FrameRequest, Picture, Progressive,
-        RenderError, Shading, StoreOptions,
+        Backend, Camera, CameraError, FillBudget, FrameReport, FrameRequest, Picture, Progressive, Shading,
+        StoreOptions,
     },
     scene::Grid,
 };
@@ -37,7 +37,7 @@ impl Driver {
         insertion_points: u32,
         shading: Shading,
     ) -> Result<Driver, ConvergeError> {
-        let (mut backend, _, _) = make_backend(measure.backend, setting.raster, measure.threads)?;
+        let (mut backend, _, _) = make_backend(measure.backend, setting.method, measure.threads)?;
         backend.set_relocation(setting.variant != Variant::NoMovedTo);
         let order = setting.variant.slot_order();
         let options = StoreOptions { seed: measure.seed, insertion_points, order, ..Default::default() };
@@ -83,13 +83,4 @@ impl Driver {
 /// whose error is stated by itself, and devices round its powers differently.
 pub fn unlit() -> Shading {
     Shading { edl_strength: 0.0, ..Default::default() }
-}
-
-/// Who would draw.
-///
-/// # Errors
-/// If no device does what is asked.
-pub fn describe(measure: &Measure, setting: &Setting) -> Result<BackendInfo, RenderError> {
-    let (backend, _, _) = make_backend(measure.backend, setting.raster, measure.threads)?;
-    Ok(backend.info().clone())
 }

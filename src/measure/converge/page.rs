@@ -212,7 +212,7 @@ mod tests {
             variant,
             fill: Fill::Points(fill),
             point_size_px: 2,
-            raster: None,
+            method: None,
             round: 1,
             headline: Headline::of(&frames),
             frames: frames.clone(),

@@ -19,7 +19,7 @@ pub struct ConvergeReport {
     pub report: &'static str,
     /// "firstlight" and its version.
     pub program: String,
-    /// Who drew: device, interface, rasterizer.
+    /// Who drew: device, interface, method.
     pub adapter: String,
     /// False as long as runs are missing.
     pub complete: bool,
@@ -57,9 +57,9 @@ pub struct Run {
     pub variant: Variant,
     pub fill: Fill,
     pub point_size_px: u32,
-    /// Which rasterizer, where several are compared.
+    /// Which method, where several are compared.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub raster: Option<String>,
+    pub method: Option<String>,
     /// Counted from 1.
     pub round: u32,
     pub headline: Headline,
@@ -165,13 +165,13 @@ impl Run {
     /// In words, short.
     pub fn label(&self) -> String {
         match self.variant {
-            Variant::Firstlight => format!("{}, {} px{}", self.fill, self.point_size_px, self.raster_suffix()),
+            Variant::Firstlight => format!("{}, {} px{}", self.fill, self.point_size_px, self.method_suffix()),
             other => other.name().into(),
         }
     }
 
-    fn raster_suffix(&self) -> String {
-        self.raster.as_ref().map_or(String::new(), |raster| format!(", {raster}"))
+    fn method_suffix(&self) -> String {
+        self.method.as_ref().map_or(String::new(), |method| format!(", {method}"))
     }
 }
 

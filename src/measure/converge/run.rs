@@ -14,7 +14,7 @@ use super::{
 use crate::{
     headless::default_camera,
     measure::{machine::Machine, report_dir::ReportDirError},
-    render::{BackendInfo, Camera, FillBudget, INSERTION_POINTS, Picture, Raster, RasterChoice, Shading, View},
+    render::{Backend, BackendInfo, Camera, FillBudget, INSERTION_POINTS, Picture, RasterChoice, Shading, View},
     source::Order,
 };
 
@@ -59,14 +59,18 @@ pub fn measure(measure: &Measure, watcher: &mut dyn Watcher) -> Result<ConvergeR
     let needs_file_order = settings.iter().any(|setting| setting.variant == Variant::Unshuffled);
     let in_file_order =
         needs_file_order.then(|| Recording::new(&measure.input, Order::File, measure.threads)).transpose()?;
-    let info = driver::describe(measure, first)?;
-    // What was measured to be faster once is not measured again, or runs could differ.
-    let settle = |setting: &Setting| match setting.raster {
-        RasterChoice::Auto => Setting { raster: choice_of(info.raster), ..*setting },
-        _ => *setting,
+    let camera = first_camera(measure, &scan);
+    let auto = Setting { method: RasterChoice::Auto, ..*first };
+    let asks_auto = settings.iter().any(|setting| setting.method == RasterChoice::Auto);
+    let info = who_draws(measure, if asks_auto { &auto } else { first }, &scan, &camera)?;
+    // What was measured to be faster once is not measured again, or runs could differ; on the processor there is
+    // nothing to choose.
+    let chosen = info.choice.as_ref().map_or(RasterChoice::Auto, |choice| RasterChoice::Fixed(choice.candidate));
+    let settle = |setting: &Setting| match setting.method {
+        RasterChoice::Auto => Setting { method: chosen, ..*setting },
+        RasterChoice::Fixed(_) => *setting,
     };
     let settings: Vec<Setting> = settings.iter().map(settle).collect();
-    let camera = first_camera(measure, &scan);
     let phases = phases(camera, &measure.motions);
     let mut report = empty(measure, &scan, &info, camera, &phases);
     let total = settings.len() * measure.repeat as usize;
@@ -80,7 +84,10 @@ pub fn measure(measure: &Measure, watcher: &mut dyn Watcher) -> Result<ConvergeR
                 variant: setting.variant,
                 fill: setting.fill,
                 point_size_px: setting.point_size,
-                raster: (measure.rasters.len() > 1).then(|| format!("{:?}", setting.raster).to_lowercase()),
+                method: match setting.method {
+                    RasterChoice::Fixed(candidate) if measure.methods.len() > 1 => Some(candidate.to_string()),
+                    _ => None,
+                },
                 round,
                 headline: Headline::default(),
                 frames: Vec::new(),
@@ -166,14 +173,20 @@ fn first_camera(measure: &Measure, scan: &Recording) -> Camera {
     measure.camera.or(of_path).unwrap_or_else(fitted)
 }
 
-fn choice_of(raster: Raster) -> RasterChoice {
-    match raster {
-        Raster::Compute => RasterChoice::Compute,
-        Raster::Compute32 => RasterChoice::Compute32,
-        Raster::Hardware => RasterChoice::Hardware,
-        // There is none to choose on the processor.
-        Raster::Cpu => RasterChoice::Auto,
+/// The device; where frames are timed, it has measured on the whole scan which of its methods is the fastest, as a
+/// viewer does between frames.
+fn who_draws(
+    measure: &Measure,
+    setting: &Setting,
+    scan: &Recording,
+    camera: &Camera,
+) -> Result<BackendInfo, ConvergeError> {
+    let mut driver = Driver::new(measure, setting, scan, INSERTION_POINTS, driver::unlit())?;
+    if measure.clock == Clock::Real && setting.method == RasterChoice::Auto {
+        load_all(&mut driver, scan, load(measure, scan.points), camera)?;
+        driver.progressive.backend_mut().choose()?;
     }
+    Ok(driver.progressive.backend().info().clone())
 }
 
 fn empty(measure: &Measure, scan: &Recording, info: &BackendInfo, camera: Camera, phases: &[Phase]) -> ConvergeReport {
@@ -185,7 +198,7 @@ fn empty(measure: &Measure, scan: &Recording, info: &BackendInfo, camera: Camera
     ConvergeReport {
         report: TITLE,
         program: concat!("firstlight ", env!("CARGO_PKG_VERSION")).into(),
-        adapter: format!("{} ({}, {})", info.adapter, info.api, info.raster),
+        adapter: format!("{} ({}, {})", info.adapter, info.api, info.method),
         complete: false,
         clock: measure.clock,
         command: is_real.then(|| measure.command.clone()),

@@ -108,7 +108,7 @@ pub struct Setting {
     pub fill: Fill,
     /// Width of a point, pixels.
     pub point_size: u32,
-    pub raster: RasterChoice,
+    pub method: RasterChoice,
 }
 
 /// Width of a point in the viewer, unless the user says otherwise; pixels.
@@ -134,7 +134,7 @@ pub struct Measure {
     pub camera: Option<Camera>,
     pub motions: Vec<Motion>,
     pub backend: BackendChoice,
-    pub rasters: Vec<RasterChoice>,
+    pub methods: Vec<RasterChoice>,
     pub fills: Vec<Fill>,
     pub point_sizes: Vec<u32>,
     /// Compared at the first of each of the lists above.
@@ -157,9 +157,9 @@ impl Measure {
     /// One run each, this program's settings first, then the baselines.
     pub fn settings(&self) -> Vec<Setting> {
         let mut settings = Vec::new();
-        for &raster in &self.rasters {
+        for &method in &self.methods {
             for &point_size in &self.point_sizes {
-                let of = |&fill| Setting { variant: Variant::Firstlight, fill, point_size, raster };
+                let of = |&fill| Setting { variant: Variant::Firstlight, fill, point_size, method };
                 settings.extend(self.fills.iter().map(of));
             }
         }
@@ -183,7 +183,7 @@ mod tests {
             camera: None,
             motions: vec![],
             backend: BackendChoice::Cpu,
-            rasters: vec![RasterChoice::Auto],
+            methods: vec![RasterChoice::Auto],
             fills: vec![Fill::Points(1000), Fill::Auto],
             point_sizes: vec![2, 1],
             baselines: vec![Variant::Firstlight, Variant::Unshuffled],

@@ -67,7 +67,7 @@ pub fn bench_ingest(settings: &BenchIngest, tell: &mut dyn FnMut(&str)) -> Resul
     };
     if let Some(screen) = &settings.screen {
         // No device is said before hours of work; and whoever comes first pays for caches of drivers.
-        let (backend, _, notes) = make_backend(screen.backend, screen.raster, None)?;
+        let (backend, _, notes) = make_backend(screen.backend, screen.method, None)?;
         notes.iter().for_each(|note| tell(note));
         report.backend = Some(backend.info().clone());
     }

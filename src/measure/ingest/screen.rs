@@ -15,7 +15,7 @@ use crate::{
     measure::stats::quantile,
     render::{
         Backend, BackendInfo, Camera, FillBudget, FramePlan, FrameReport, FrameRequest, INSERTION_POINTS, Picture,
-        Progressive, RasterChoice, Shading, StoreOptions,
+        Progressive, RasterChoice, Shading, StoreOptions, Sums,
     },
     scene::{PointBatch, SceneFacts},
     source::{self, Event, SourceError},
@@ -26,7 +26,7 @@ use crate::{
 #[derive(Debug, Clone, Copy)]
 pub struct ScreenSettings {
     pub backend: BackendChoice,
-    pub raster: RasterChoice,
+    pub method: RasterChoice,
     pub size: [u32; 2],
     pub point_size: u32,
     /// Frame time that the fill budget, and the number of insertions, aim at.
@@ -106,9 +106,9 @@ pub fn run(path: &Path, settings: &ScreenSettings, way: &Way) -> Result<ScreenSa
     let start = Instant::now();
     let inputs: [PathBuf; 1] = [path.into()];
     let stream = source::open(&inputs, way.options());
-    let (backend, _, _) = make_backend(settings.backend, settings.raster, None)?;
+    let (backend, _, _) = make_backend(settings.backend, settings.method, None)?;
     let setup_secs = start.elapsed().as_secs_f64();
-    let raster = backend.info().raster;
+    let method = backend.info().method;
     let mut run = Run {
         settings,
         start,
@@ -146,7 +146,7 @@ pub fn run(path: &Path, settings: &ScreenSettings, way: &Way) -> Result<ScreenSa
     }
     let insertions = run.progressive.insertions();
     let timed = run.progressive.backend();
-    let (upload_secs, scatter_secs, scatter_insertions) = timed.split(raster);
+    let (upload_secs, scatter_secs, scatter_insertions) = timed.split(method);
     let wall: Vec<f64> = run.frames.iter().map(|frame| frame.wall_ms).collect();
     Ok(ScreenSample {
         setup_secs,
@@ -293,11 +293,11 @@ impl Timed {
     }
 
     /// Seconds of upload and of scatter, and the insertions that the latter are of.
-    fn split(&self, raster: Raster) -> (Option<f64>, Option<f64>, u64) {
+    fn split(&self, method: Raster) -> (Option<f64>, Option<f64>, u64) {
         let timed = || self.passes.iter().filter(|times| times.insertions > 0);
         let insertions = timed().map(|times| u64::from(times.insertions)).sum();
         let scatter: f64 = timed().map(|times| times.insert).sum();
-        if raster == Raster::Cpu {
+        if method == Raster::Cpu {
             // Inserting is scattering there.
             return (None, Some(scatter), insertions);
         }
@@ -309,6 +309,9 @@ impl Timed {
 impl Backend for Timed {
     fn info(&self) -> &BackendInfo {
         self.inner.info()
+    }
+    fn sums(&self) -> Sums {
+        self.inner.sums()
     }
     fn reset(&mut self, points: u64) {
         self.inner.reset(points);
@@ -335,6 +338,9 @@ impl Backend for Timed {
         let times = self.inner.pass_times()?;
         self.passes.push(times);
         Some(times)
+    }
+    fn choose(&mut self) -> Result<(), RenderError> {
+        self.inner.choose()
     }
     fn wait(&mut self) -> Result<(), RenderError> {
         self.inner.wait()

@@ -40,10 +40,7 @@ pub fn facts(report: &IngestReport) -> Vec<String> {
         format!("{}, {} cores{memory}{load}, {}", machine.processor, machine.cores, machine.system),
     ];
     if let (Some(backend), Some([width, height])) = (&report.backend, report.size_px) {
-        lines.push(format!(
-            "{} ({}), {} rasterizer, {width}x{height} pixels",
-            backend.adapter, backend.api, backend.raster
-        ));
+        lines.push(format!("{} ({}), {}, {width}x{height} pixels", backend.adapter, backend.api, backend.method));
     }
     lines.extend(report.problems.iter().map(|problem| format!("PROBLEM: {problem}")));
     lines

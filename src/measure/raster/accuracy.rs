@@ -1,18 +1,16 @@
 //! How right a picture is: against the picture of `atomic-min`, which has 32 bits of depth and the number of
-//! the point, and which is itself held to the processor's ([`brute_force`]).
+//! the point, and which is itself held to the processor's ([`Processor`](super::Processor)).
 //!
 //! Only pixels that one of the two pictures covers are counted, by all measures: the rest is background in
 //! both, and in a view from afar 99.7 % of all pixels.
 
-use std::thread;
+use std::ops::Range;
 
 use serde::Serialize;
 
-use super::orders::threads;
 use crate::{
     measure::stats::quantile,
-    methods::{Cloud, Drawn, NO_POINT},
-    render::View,
+    methods::{Drawn, NO_POINT, parallel::map},
 };
 
 /// A picture against the right one.
@@ -47,28 +45,11 @@ impl Accuracy {
     /// If the pictures differ in size.
     pub fn of(drawn: &Drawn, right: &Drawn, blends: bool) -> Accuracy {
         assert_eq!(drawn.size, right.size, "pictures of one size");
-        let is_covered = |picture: &Drawn, i: usize| picture.depth[i].is_finite() || picture.point[i] != NO_POINT;
-        let (mut covered, mut missing, mut extra, mut wrong) = (0, 0, 0, 0);
-        let mut squares = 0;
-        let mut depth_errors = Vec::new();
-        let mut shown = vec![false; right.point.len()];
-        for (i, shown) in shown.iter_mut().enumerate() {
-            let (here, there) = (is_covered(drawn, i), is_covered(right, i));
-            if !(here || there) {
-                continue;
-            }
-            *shown = true;
-            covered += 1;
-            missing += u64::from(!here);
-            extra += u64::from(!there);
-            wrong += u64::from(drawn.point[i] != right.point[i]);
-            for channel in 0..3 {
-                squares += u64::from(drawn.rgba[i][channel].abs_diff(right.rgba[i][channel])).pow(2);
-            }
-            if drawn.depth[i].is_finite() && right.depth[i].is_finite() {
-                depth_errors.push((f64::from(drawn.depth[i]) - f64::from(right.depth[i])).abs());
-            }
-        }
+        let pixels = right.point.len();
+        let bands =
+            map(pixels.div_ceil(BAND), |band| Sums::of(drawn, right, band * BAND..pixels.min((band + 1) * BAND)));
+        let Sums { shown, depth_errors, covered, missing, extra, wrong, squares } =
+            bands.into_iter().fold(Sums::default(), Sums::and);
         let mean_square = squares as f64 / (3 * covered) as f64;
         let error = |share| (!depth_errors.is_empty()).then(|| quantile(&depth_errors, share));
         let wrong_pixels = (!blends).then_some(wrong);
@@ -87,8 +68,62 @@ impl Accuracy {
     }
 }
 
+/// Pixels that a thread sums up at a time.
+const BAND: usize = 1 << 15;
+
+/// What some pixels, one after the other, add to an accuracy.
+#[derive(Default)]
+struct Sums {
+    /// Of each pixel, whether it counts.
+    shown: Vec<bool>,
+    depth_errors: Vec<f64>,
+    covered: u64,
+    missing: u64,
+    extra: u64,
+    wrong: u64,
+    squares: u64,
+}
+
+impl Sums {
+    fn of(drawn: &Drawn, right: &Drawn, pixels: Range<usize>) -> Sums {
+        let is_covered = |picture: &Drawn, i: usize| picture.depth[i].is_finite() || picture.point[i] != NO_POINT;
+        let mut sums = Sums::default();
+        for i in pixels {
+            let (here, there) = (is_covered(drawn, i), is_covered(right, i));
+            sums.shown.push(here || there);
+            if !(here || there) {
+                continue;
+            }
+            sums.covered += 1;
+            sums.missing += u64::from(!here);
+            sums.extra += u64::from(!there);
+            sums.wrong += u64::from(drawn.point[i] != right.point[i]);
+            for channel in 0..3 {
+                sums.squares += u64::from(drawn.rgba[i][channel].abs_diff(right.rgba[i][channel])).pow(2);
+            }
+            if drawn.depth[i].is_finite() && right.depth[i].is_finite() {
+                sums.depth_errors.push((f64::from(drawn.depth[i]) - f64::from(right.depth[i])).abs());
+            }
+        }
+        sums
+    }
+
+    fn and(mut self, next: Sums) -> Sums {
+        self.shown.extend(next.shown);
+        self.depth_errors.extend(next.depth_errors);
+        self.covered += next.covered;
+        self.missing += next.missing;
+        self.extra += next.extra;
+        self.wrong += next.wrong;
+        self.squares += next.squares;
+        self
+    }
+}
+
 /// Width of the windows of [`ssim`], pixels.
 const WINDOW: usize = 7;
+/// Rows of windows that a thread looks at; always so many, so that the sum does not depend on the threads.
+const WINDOW_ROWS: usize = 32;
 
 /// Mean structural similarity of the luma (Wang, Bovik, Sheikh, Simoncelli 2004, "Image Quality Assessment: From
 /// Error Visibility to Structural Similarity") over windows of 7×7 pixels whose centre is `shown`, with the
@@ -102,6 +137,18 @@ pub fn ssim(a: &[[u8; 4]], b: &[[u8; 4]], size: [u32; 2], shown: &[bool]) -> Opt
     if width < WINDOW || height < WINDOW {
         return None;
     }
+    let bands = map((height + 1 - WINDOW).div_ceil(WINDOW_ROWS), |band| {
+        let first = band * WINDOW_ROWS;
+        let rows = first * width..(first + WINDOW_ROWS + WINDOW - 1).min(height) * width;
+        sum_of_windows(&a[rows.clone()], &b[rows.clone()], width, &shown[rows])
+    });
+    let (total, windows) = bands.into_iter().fold((0.0, 0), |sum, band| (sum.0 + band.0, sum.1 + band.1));
+    (windows > 0).then(|| total / windows as f64)
+}
+
+/// Similarities of all windows that lie in these rows, and how many there are.
+fn sum_of_windows(a: &[[u8; 4]], b: &[[u8; 4]], width: usize, shown: &[bool]) -> (f64, u64) {
+    let height = a.len() / width;
     let [a, b] = [a, b].map(|picture| picture.iter().map(luma).collect::<Vec<u32>>());
     let (half, count) = (WINDOW / 2, (WINDOW * WINDOW) as f64);
     let (c1, c2) = ((0.01_f64 * 255.0).powi(2), (0.03_f64 * 255.0).powi(2));
@@ -135,58 +182,12 @@ pub fn ssim(a: &[[u8; 4]], b: &[[u8; 4]], size: [u32; 2], shown: &[bool]) -> Opt
             windows += 1;
         }
     }
-    (windows > 0).then(|| total / windows as f64)
+    (total, windows)
 }
 
 /// Rec. 601 luma, rounded to 8 bits.
 fn luma(&[r, g, b, _]: &[u8; 4]) -> u32 {
     (299 * u32::from(r) + 587 * u32::from(g) + 114 * u32::from(b) + 500) / 1000
-}
-
-/// The picture of all points by the processor's threads: the nearest point of each pixel, the first of equals.
-/// Also how many points are in the frustum.
-pub fn brute_force(cloud: &Cloud, view: &View) -> (Drawn, u64) {
-    let size = [view.width, view.height];
-    let pixels = size[0] as usize * size[1] as usize;
-    let run = cloud.positions.len().div_ceil(threads()).max(1);
-    let draw = |points: &[[i32; 3]], first: usize| {
-        let mut words = vec![u64::MAX; pixels];
-        let mut fragments = 0u64;
-        for (&position, i) in points.iter().zip(first as u64..) {
-            if let Some(projected) = view.project(position) {
-                let [x, y] = projected.corner.map(|c| c.max(0) as usize);
-                let word = &mut words[(y * size[0] as usize + x).min(pixels - 1)];
-                // Bits of positive floats are in the order of the floats.
-                *word = (*word).min(u64::from(projected.depth.to_bits()) << 32 | i);
-                fragments += 1;
-            }
-        }
-        (words, fragments)
-    };
-    let drawn = thread::scope(|scope| {
-        let draw = &draw;
-        let parts: Vec<_> = (cloud.positions.chunks(run).enumerate())
-            .map(|(chunk, points)| scope.spawn(move || draw(points, chunk * run)))
-            .collect();
-        let nearer = |(mut a, n): (Vec<u64>, u64), (b, m): (Vec<u64>, u64)| {
-            a.iter_mut().zip(b).for_each(|(a, b)| *a = (*a).min(b));
-            (a, n + m)
-        };
-        // A minimum cannot panic.
-        parts.into_iter().filter_map(|part| part.join().ok()).reduce(nearer)
-    });
-    let (words, fragments) = drawn.unwrap_or_else(|| (vec![u64::MAX; pixels], 0));
-    let depth = |&word: &u64| if word == u64::MAX { f32::INFINITY } else { f32::from_bits((word >> 32) as u32) };
-    let point = |&word: &u64| if word == u64::MAX { NO_POINT } else { word as u32 };
-    let color = |word: &u64| cloud.colors.get(point(word) as usize).map_or([0; 4], |color| color.to_le_bytes());
-    let drawn = Drawn {
-        size,
-        point: words.iter().map(point).collect(),
-        depth: words.iter().map(depth).collect(),
-        rgba: words.iter().map(color).collect(),
-        give_ups: 0,
-    };
-    (drawn, fragments)
 }
 
 #[cfg(test)]

@@ -4,16 +4,17 @@ use std::fmt;
 
 use super::{
     RasterError,
+    block::{Trial, patience},
     input::Scan,
-    orders::gather,
+    processor::Processor,
     report::{CurveKind, CurveRuns, RasterReport},
-    run::{BenchRaster, Part, in_turn, supported},
+    run::{BenchRaster, Part, in_turn},
     stacks::Stack,
     views::Viewpoint,
 };
 use crate::{
     measure::stats::Summary,
-    methods::{Cloud, Gpu, Runner},
+    methods::{Arranged, Encoding, FrameTime, Gpu, Method, Paced, Runner, parallel::fill},
     render::View,
 };
 
@@ -71,74 +72,102 @@ pub fn plan(settings: &BenchRaster, points: u64, is_software: bool) -> Vec<Step>
 ///
 /// # Errors
 /// If the device cannot hold or draw the cloud.
-pub fn measure(
+pub(super) fn measure(
     step: &Step,
     settings: &BenchRaster,
+    encoding: Encoding,
     gpu: &Gpu,
     scan: &Scan,
+    methods: &[&'static Method],
     report: &mut RasterReport,
 ) -> Result<(), RasterError> {
     match step {
         Step::Points(points) => {
-            let cloud = thin(&scan.cloud, *points);
+            let kept = thinned(scan.cloud.positions.len() as u64, *points);
+            let arranged = Arranged { cloud: &scan.cloud, order: kept.as_deref() };
             let camera = Viewpoint::Overview.camera(&scan.cloud.positions, &scan.grid, settings.size);
             let view = camera.view(&scan.grid, settings.size, 1)?;
-            let (picture, fragments) = super::brute_force(&cloud, &view);
-            let covered = picture.depth.iter().filter(|depth| depth.is_finite()).count();
-            run(CurveKind::Points, &cloud, &view, fragments as f64 / covered as f64, settings, gpu, report)
+            let processor = Processor::of(arranged, &view);
+            let place = Place {
+                curve: CurveKind::Points,
+                points: *points,
+                fragments_per_pixel: processor.fragments as f64 / processor.covered() as f64,
+            };
+            let mut runner = Runner::new(gpu, arranged, encoding, settings.size)?;
+            run(&place, &mut runner, &view, settings, methods, report)
         }
         Step::Stack(kind, stack) => {
             let (cloud, view) = (stack.cloud(settings.seed), stack.view()?);
-            run(*kind, &cloud, &view, stack.fragments_per_pixel(), settings, gpu, report)
+            let fragments_per_pixel = stack.fragments_per_pixel();
+            let place = Place { curve: *kind, points: stack.points.into(), fragments_per_pixel };
+            let mut runner = Runner::new(gpu, &cloud, encoding, settings.size)?;
+            run(&place, &mut runner, &view, settings, methods, report)
         }
     }
 }
 
-/// So many points, evenly from all of the cloud and in its order.
-fn thin(cloud: &Cloud, points: u64) -> Cloud {
-    let all = cloud.positions.len() as u64;
-    let kept: Vec<u32> = (0..points).map(|i| (u128::from(i) * u128::from(all) / u128::from(points)) as u32).collect();
-    Cloud { positions: gather(&cloud.positions, &kept), colors: gather(&cloud.colors, &kept) }
+/// So many of `all` points, evenly and in their order; `None` for all of them.
+fn thinned(all: u64, points: u64) -> Option<Vec<u32>> {
+    let kept = |i: usize| (i as u128 * u128::from(all) / u128::from(points)) as u32;
+    (points != all).then(|| fill(points as usize, kept))
+}
+
+/// Where on a curve.
+struct Place {
+    curve: CurveKind,
+    points: u64,
+    fragments_per_pixel: f64,
 }
 
 fn run(
-    curve: CurveKind,
-    cloud: &Cloud,
+    place: &Place,
+    runner: &mut Runner,
     view: &View,
-    fragments_per_pixel: f64,
     settings: &BenchRaster,
-    gpu: &Gpu,
+    methods: &[&'static Method],
     report: &mut RasterReport,
 ) -> Result<(), RasterError> {
-    let mut runner = Runner::new(gpu, cloud, settings.encoding, settings.size)?;
-    let methods = supported(settings, &runner, report);
-    let mut samples = vec![Vec::new(); methods.len()];
-    let mut wall_clock = false;
-    // The first run of each is not counted.
-    for round in 0..=settings.repeat {
-        for i in in_turn(methods.len(), round) {
-            let times = runner.time(methods[i], view, settings.frames)?;
-            wall_clock |= times.iter().any(|time| time.undivided_secs.is_some());
-            if round > 0 {
-                samples[i].extend(times.iter().map(|time| time.total_secs()));
+    let (mut runs, mut frames, mut wall_clock) = (Vec::new(), Vec::new(), false);
+    for method in methods {
+        let mut runs_of = CurveRuns {
+            curve: place.curve,
+            method: method.name,
+            points: place.points,
+            fragments_per_pixel: place.fragments_per_pixel,
+            frame_secs: None,
+            abandoned: None,
+            samples_secs: Vec::new(),
+        };
+        let trial = match runner.draw_paced(method, view, patience(settings))? {
+            Paced::Abandoned(abandoned) => {
+                runs_of.abandoned = Some(abandoned);
+                Trial { frames: 0, is_single: false }
             }
+            Paced::Drawn { secs, .. } => {
+                let second = runner.time(method, view, 1)?.first().map_or(secs, FrameTime::total_secs);
+                let trial = Trial::of(settings, runner.gpu.is_software(), secs, second);
+                runs_of.samples_secs.extend(trial.is_single.then_some(second));
+                trial
+            }
+        };
+        runs.push(runs_of);
+        frames.push(trial.frames);
+    }
+    for round in 1..=settings.repeat {
+        for i in in_turn(methods.len(), round) {
+            let times = runner.time(methods[i], view, frames[i])?;
+            wall_clock |= times.iter().any(|time| time.undivided_secs.is_some());
+            runs[i].samples_secs.extend(times.iter().map(FrameTime::total_secs));
         }
     }
     report.wall_clock = wall_clock;
-    let of = |(method, samples_secs): (&&crate::methods::Method, Vec<f64>)| CurveRuns {
-        curve,
-        method: method.name,
-        points: cloud.positions.len() as u64,
-        fragments_per_pixel,
-        frame_secs: Summary::of(&samples_secs),
-        samples_secs,
-    };
-    report.curves.extend(methods.iter().zip(samples).map(of));
+    runs.iter_mut().for_each(|runs| runs.frame_secs = Summary::of(&runs.samples_secs));
+    report.curves.extend(runs);
     Ok(())
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::{
         measure::raster::{Input, Order},
@@ -146,7 +175,8 @@ mod tests {
         synth::{Scene, SynthOptions},
     };
 
-    fn settings(parts: &[Part]) -> BenchRaster {
+    /// Of nothing but these parts.
+    pub fn settings(parts: &[Part]) -> BenchRaster {
         BenchRaster {
             input: Input::Synth(SynthOptions::new(Scene::Planes)),
             methods: vec![],
@@ -155,9 +185,10 @@ mod tests {
             camera: None,
             parts: parts.to_vec(),
             size: [640, 360],
-            encoding: Encoding::Wide,
+            encodings: vec![Encoding::Wide],
             frames: 1,
             repeat: 1,
+            max_frame_secs: 1.0,
             seed: 1,
             command: String::new(),
         }
@@ -191,9 +222,8 @@ mod tests {
 
     #[test]
     fn thinning_takes_from_everywhere() {
-        let cloud = Cloud { positions: (0..1000).map(|i| [i, 0, 0]).collect(), colors: (0..1000).collect() };
-        let thinned = thin(&cloud, 100);
-        assert_eq!(thinned.colors, (0..100).map(|i| 10 * i).collect::<Vec<u32>>());
-        assert_eq!(thin(&cloud, 1000), cloud);
+        assert_eq!(thinned(1000, 100), Some((0..100).map(|i| 10 * i).collect()));
+        assert_eq!(thinned(3, 2), Some(vec![0, 1]));
+        assert_eq!(thinned(1000, 1000), None);
     }
 }

@@ -2,9 +2,9 @@
 
 use std::{path::PathBuf, thread};
 
-use super::{RasterError, orders::threads};
+use super::RasterError;
 use crate::{
-    methods::Cloud,
+    methods::{Cloud, parallel::threads},
     render::{FileColor, elevation_ramp},
     scene::{BATCH_POINTS, ColorRule, ColorStats, Grid},
     source::{self, Event, OpenOptions, Order, SourceError},

@@ -55,14 +55,14 @@ fn mark(report: &RasterReport, name: &str) -> String {
 /// `None` where nothing is covered: there is nothing to be accurate about.
 fn speed_plot(report: &RasterReport, block: &Block) -> Option<Plot> {
     let (scale, unit) = tables::unit(report);
-    let dot = |row: &Row| Some((row.accuracy.ssim?, row.points_per_sec?.median * scale));
+    let dot = |row: &Row| Some((row.accuracy.as_ref()?.ssim?, row.points_per_sec?.median * scale));
     let dots: Vec<(&Row, (f64, f64))> = block.rows.iter().filter_map(|row| Some((row, dot(row)?))).collect();
     if dots.is_empty() {
         return None;
     }
     let curve = |(row, dot): &(&Row, (f64, f64))| Curve { name: mark(report, row.method), points: vec![*dot] };
     Some(Plot {
-        title: format!("{} order, {}", block.order.name(), block.view),
+        title: format!("{} order, {}, {}", block.order.name(), block.encoding.name(), block.view),
         x: axis("accuracy: SSIM of colour", Scale::Linear),
         y: axis(unit, Scale::Log),
         behind: front(&dots.iter().map(|dot| dot.1).collect::<Vec<_>>()),

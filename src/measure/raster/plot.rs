@@ -11,6 +11,9 @@ use crate::measure::html::escape;
 const SIZE: [f64; 2] = [720.0, 420.0];
 /// Left, right, top and bottom of the plane; the names stand to the right of it.
 const PLANE: [f64; 4] = [66.0, 600.0, 10.0, 370.0];
+/// Where the title of a file begins, and its height.
+const LEFT: f64 = 8.0;
+const TITLE: f64 = 30.0;
 /// Least distance of two names.
 const LINE: f64 = 15.0;
 /// Told apart on white and on black, also by readers who see no red or no green (after Okabe and Ito).
@@ -101,6 +104,23 @@ impl Plot {
     /// The drawing with its title, as an HTML figure.
     pub fn figure(&self) -> String {
         format!("<figure><figcaption>{}</figcaption>\n{}</figure>\n", escape(&self.title), self.svg())
+    }
+
+    /// The drawing with its title as a file of its own, for a page that shows it as an image: there nothing is
+    /// inherited, so it has colours of its own for light and dark.
+    pub fn file(&self) -> String {
+        let [width, height] = SIZE;
+        let svg = self.svg();
+        let Some((_, inside)) = svg.split_once('>') else { return svg };
+        let title = escape(&self.title);
+        format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" aria-label=\"{title}\" width=\"{width}\" \
+             height=\"{0}\" viewBox=\"0 -{TITLE} {width} {0}\" font-family=\"system-ui, sans-serif\" font-size=\"12\" \
+             fill=\"currentColor\">\n<style>:root {{ color: #1f2328 }} @media (prefers-color-scheme: dark) {{ :root {{ \
+             color: #e6edf3 }} }}</style>\n<text x=\"{1}\" y=\"-10\" font-size=\"13\" font-weight=\"600\">{title}</text>{inside}",
+            height + TITLE,
+            LEFT
+        )
     }
 
     /// The drawing alone.

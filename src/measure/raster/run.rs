@@ -1,20 +1,23 @@
-//! The blocks: each order from each viewpoint, all methods in turn.
+//! A whole measurement: points, orders, encodings, viewpoints, curves.
+
+use std::time::Instant;
 
 use clap::ValueEnum;
 
 use super::{
-    Accuracy, RasterError,
-    accuracy::brute_force,
+    RasterError,
+    block::block,
     checks::checks,
     curves,
     input::{Input, Scan},
-    orders::{Order, gather},
-    report::{Block, Ceilings, Device, MethodEntry, RasterReport, Row, Sample, TITLE},
+    orders::{Order, Orders},
+    processor::Processor,
+    report::{Ceilings, Device, HostTime, MethodEntry, RasterReport, Row, TITLE},
     views::Viewpoint,
 };
 use crate::{
     measure::{machine::Machine, report_dir::ReportDirError},
-    methods::{self, Cloud, Encoding, Gpu, Method, Runner, by_name},
+    methods::{self, Arranged, Cloud, Copies, Encoding, Gpu, Method, Packing, Runner},
     render::{Camera, View},
 };
 
@@ -40,11 +43,15 @@ pub struct BenchRaster {
     pub camera: Option<Camera>,
     pub parts: Vec<Part>,
     pub size: [u32; 2],
-    pub encoding: Encoding,
-    /// Frames of a sample run, at least 1.
+    /// At least one. Curves have the first.
+    pub encodings: Vec<Encoding>,
+    /// The most frames of a method in a round, at least 1.
     pub frames: u32,
     /// Rounds, at least 1.
     pub repeat: u32,
+    /// A method whose first frame is longer draws no other, and one that takes ten times as long is left in the
+    /// middle of it.
+    pub max_frame_secs: f64,
     pub seed: u64,
     /// The command line, for the report.
     pub command: String,
@@ -78,31 +85,64 @@ fn describe(gpu: &Gpu) -> Device {
 /// If nothing can be read, the device cannot hold or draw the cloud, or the report cannot be kept.
 pub fn bench_raster(settings: &BenchRaster, gpu: &Gpu, watcher: &mut dyn Watcher) -> Result<RasterReport, RasterError> {
     watcher.step(0, 1, "the points");
+    let start = Instant::now();
     let scan = settings.input.load()?;
     let shots = shots(settings, &scan)?;
     let mut report = empty(settings, gpu, &scan);
-    let orders = if settings.parts.contains(&Part::Tables) { &settings.orders[..] } else { &[] };
+    took(&mut report, "the points", start);
+    let methods = supported(settings, gpu, &mut report);
+    let asked = if settings.parts.contains(&Part::Tables) { &settings.orders[..] } else { &[] };
+    let encodings = encodings(settings, &scan, &mut report)?;
     let curve_steps = curves::plan(settings, report.points, report.device.is_software);
-    let total = orders.len() * shots.len() + curve_steps.len();
+    let total = asked.len() * shots.len() * encodings.len() + curve_steps.len();
     let mut done = 0;
-    for &order in orders {
+    let orders = Orders::new(&scan.cloud.positions);
+    // One for each viewpoint, when it is first needed.
+    let mut processors: Vec<Option<Processor>> = shots.iter().map(|_| None).collect();
+    let copies = if asked.is_empty() { None } else { Some(Copies::new(gpu)?) };
+    // One for each encoding: its pipelines are made once. Only one holds the cloud at a time.
+    let mut runners: Vec<Option<Runner>> = encodings.iter().map(|_| None).collect();
+    for &order in asked {
         watcher.step(done, total, &format!("{} order", order.name()));
-        let cloud = arrange(order, &scan.cloud, settings.seed);
-        let mut runner = Runner::new(gpu, &cloud, settings.encoding, settings.size)?;
-        let methods = supported(settings, &runner, &mut report);
-        for shot in &shots {
-            watcher.step(done, total, &format!("{} order, {}", order.name(), shot.name));
-            ceilings(&mut runner, &mut report)?;
-            let block = block(settings, &mut runner, &methods, &cloud, order, shot)?;
-            report.wall_clock = block.rows.iter().any(Row::has_wall_clock);
-            report.blocks.push(block);
-            done += 1;
-            keep(&mut report, watcher)?;
+        let start = Instant::now();
+        let points = orders.points(order, settings.seed);
+        took(&mut report, &format!("{} order", order.name()), start);
+        let arranged = Arranged { cloud: &scan.cloud, order: points.as_deref() };
+        for (&encoding, runner) in encodings.iter().zip(&mut runners) {
+            let name = format!("{} order, {}", order.name(), encoding.name());
+            let start = Instant::now();
+            let runner = match runner {
+                Some(runner) => runner,
+                new => new.insert(Runner::new(gpu, &Cloud::default(), encoding, settings.size)?),
+            };
+            runner.load(arranged)?;
+            took(&mut report, &format!("upload of {name}"), start);
+            for (shot, processor) in shots.iter().zip(&mut processors) {
+                watcher.step(done, total, &format!("{name}, {}", shot.name));
+                if processor.is_none() {
+                    let start = Instant::now();
+                    *processor = Some(Processor::of(&scan.cloud, &shot.view));
+                    took(&mut report, &format!("the processor's {}", shot.name), start);
+                }
+                let start = Instant::now();
+                if let (Some(processor), Some(copies)) = (processor.as_ref(), &copies) {
+                    ceilings(runner, copies, &mut report)?;
+                    let block = block(settings, runner, &methods, arranged, order, shot, processor)?;
+                    report.wall_clock |= block.rows.iter().any(Row::has_wall_clock);
+                    report.blocks.push(block);
+                }
+                took(&mut report, &format!("block of {name}, {}", shot.name), start);
+                done += 1;
+                keep(&mut report, watcher)?;
+            }
+            runner.unload()?;
         }
     }
+    // The curves need their memory.
+    drop((orders, runners, copies));
     for step in curve_steps {
         watcher.step(done, total, &step.to_string());
-        curves::measure(&step, settings, gpu, &scan, &mut report)?;
+        curves::measure(&step, settings, encodings[0], gpu, &scan, &methods, &mut report)?;
         done += 1;
         keep(&mut report, watcher)?;
     }
@@ -113,6 +153,28 @@ pub fn bench_raster(settings: &BenchRaster, gpu: &Gpu, watcher: &mut dyn Watcher
     Ok(report)
 }
 
+fn took(report: &mut RasterReport, what: &str, start: Instant) {
+    report.host.push(HostTime { what: what.into(), secs: start.elapsed().as_secs_f64() });
+}
+
+/// The encodings that the cloud fits; never none.
+fn encodings(settings: &BenchRaster, scan: &Scan, report: &mut RasterReport) -> Result<Vec<Encoding>, RasterError> {
+    let mut fitting = Vec::new();
+    for &encoding in &settings.encodings {
+        match Packing::of(Arranged::from(&scan.cloud).extent()) {
+            Err(error) if encoding == Encoding::Packed => report.problems.push(error.to_string()),
+            _ => fitting.push(encoding),
+        }
+    }
+    if fitting.is_empty() {
+        // Packed alone: then the reason is an error.
+        Packing::of(Arranged::from(&scan.cloud).extent())?;
+        fitting.push(Encoding::Wide);
+    }
+    report.encodings = fitting.clone();
+    Ok(fitting)
+}
+
 fn keep(report: &mut RasterReport, watcher: &mut dyn Watcher) -> Result<(), RasterError> {
     report.ceilings.summarize();
     report.checks = checks(report);
@@ -120,10 +182,10 @@ fn keep(report: &mut RasterReport, watcher: &mut dyn Watcher) -> Result<(), Rast
 }
 
 /// A viewpoint's name, its camera, and the camera's numbers.
-struct Shot {
-    name: String,
-    camera: Camera,
-    view: View,
+pub(super) struct Shot {
+    pub name: String,
+    pub camera: Camera,
+    pub view: View,
 }
 
 fn shots(settings: &BenchRaster, scan: &Scan) -> Result<Vec<Shot>, RasterError> {
@@ -147,16 +209,14 @@ fn empty(settings: &BenchRaster, gpu: &Gpu, scan: &Scan) -> RasterReport {
         input: scan.name.clone(),
         points: scan.cloud.positions.len() as u64,
         size_px: settings.size,
-        encoding: match settings.encoding {
-            Encoding::Wide => "wide",
-            Encoding::Packed => "packed",
-        },
-        bytes_per_point: 0,
+        encodings: settings.encodings.clone(),
         frames: settings.frames,
         repeat: settings.repeat,
+        max_frame_secs: settings.max_frame_secs,
         seed: settings.seed,
         wall_clock: false,
         methods: Vec::new(),
+        host: Vec::new(),
         ceilings: Ceilings::default(),
         blocks: Vec::new(),
         curves: Vec::new(),
@@ -165,68 +225,18 @@ fn empty(settings: &BenchRaster, gpu: &Gpu, scan: &Scan) -> RasterReport {
     }
 }
 
-fn arrange(order: Order, cloud: &Cloud, seed: u64) -> Cloud {
-    let points = order.points(&cloud.positions, seed);
-    Cloud { positions: gather(&cloud.positions, &points), colors: gather(&cloud.colors, &points) }
-}
-
 /// The methods that this device can run; what the others lack goes into the report.
-pub(super) fn supported(settings: &BenchRaster, runner: &Runner, report: &mut RasterReport) -> Vec<&'static Method> {
-    let missing = |method: &Method| runner.supports(method).err();
+fn supported(settings: &BenchRaster, gpu: &Gpu, report: &mut RasterReport) -> Vec<&'static Method> {
+    let missing = |method: &Method| gpu.supports(method).err();
     report.methods = settings.methods.iter().map(|method| MethodEntry::new(method, missing(method))).collect();
-    report.bytes_per_point = runner.bytes_per_point();
     settings.methods.iter().copied().filter(|method| missing(method).is_none()).collect()
 }
 
-fn ceilings(runner: &mut Runner, report: &mut RasterReport) -> Result<(), RasterError> {
+fn ceilings(runner: &mut Runner, copies: &Copies, report: &mut RasterReport) -> Result<(), RasterError> {
     // The first is not counted.
-    let found = methods::ceilings(runner, 3)?;
-    report.ceilings.copy_samples.extend(found.copy.iter().skip(1));
-    report.ceilings.read_samples.extend(found.read.iter().skip(1));
+    let found = methods::ceilings(runner, copies, 3)?;
+    report.ceilings.add(runner.encoding(), &found.copy[1..], &found.copy_kernel[1..], &found.read[1..]);
     Ok(())
-}
-
-/// All methods on a cloud in one order, from one viewpoint.
-fn block(
-    settings: &BenchRaster,
-    runner: &mut Runner,
-    methods: &[&'static Method],
-    cloud: &Cloud,
-    order: Order,
-    shot: &Shot,
-) -> Result<Block, RasterError> {
-    let view = &shot.view;
-    let (processor, fragments) = brute_force(cloud, view);
-    // Where the device has no 64-bit atomics, the processor's picture is what all are compared with.
-    let right = match by_name("atomic-min").filter(|method| runner.supports(method).is_ok()) {
-        Some(method) => runner.draw(method, view)?,
-        None => processor.clone(),
-    };
-    let differs = Accuracy::of(&right, &processor, false);
-    let mut rows = Vec::new();
-    for method in methods {
-        let drawn = runner.draw(method, view)?;
-        rows.push(Row::new(method.name, Accuracy::of(&drawn, &right, method.blends)));
-        // Not counted.
-        runner.time(method, view, 1)?;
-    }
-    for round in 1..=settings.repeat {
-        for i in in_turn(methods.len(), round) {
-            let times = runner.time(methods[i], view, settings.frames)?;
-            rows[i].samples.extend(times.iter().map(|time| Sample::new(round, time)));
-        }
-    }
-    let (points, bytes_per_point) = (runner.points(), runner.bytes_per_point());
-    rows.iter_mut().for_each(|row| row.summarize(points, bytes_per_point));
-    Ok(Block {
-        order,
-        view: shot.name.clone(),
-        camera: shot.camera,
-        fragments,
-        covered_pixels: processor.depth.iter().filter(|depth| depth.is_finite()).count() as u64,
-        reference_differs: differs.wrong_pixels.unwrap_or(0),
-        rows,
-    })
 }
 
 /// 0 to `len − 1`, every second round backwards: nobody always follows the same neighbour.

@@ -4,8 +4,8 @@ use clap::ValueEnum;
 use glam::DVec3;
 use serde::Serialize;
 
-use super::orders::extent;
 use crate::{
+    methods::parallel::extent,
     render::Camera,
     scene::{Bounds, Grid},
 };

@@ -6,7 +6,7 @@ use super::{StabilityError, picture::Strip};
 use crate::{
     measure::chart::{Chart, Draw, Series},
     methods::{Cloud, Drawn, Encoding, Gpu, Method, MethodError, Runner, twin},
-    render::{Backend, CpuBackend, GpuBackend, RasterChoice, View},
+    render::{Backend, CpuBackend, GpuBackend, Raster, RenderError, View},
 };
 
 /// A known failure, and what must not fail. A row of [`super::EXPERIMENTS`].
@@ -36,6 +36,15 @@ pub enum Size {
 
 /// A backend and its name in claims.
 type NamedBackend = (&'static str, Box<dyn Backend>);
+
+/// The GPU's backend with the method that it would begin with, and stay with.
+pub(super) fn gpu_backend() -> Result<Box<dyn Backend>, StabilityError> {
+    let backend = GpuBackend::headless(Raster::EarlyZ.into()).or_else(|error| match error {
+        RenderError::Unsupported { .. } => GpuBackend::headless(Raster::TwoPass32.into()),
+        error => Err(error),
+    });
+    Ok(Box::new(backend?))
+}
 
 /// What is exchanged to show that an experiment can fail.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -74,7 +83,7 @@ impl Setup {
     pub(super) fn backends(&self) -> Result<Vec<NamedBackend>, StabilityError> {
         let mut backends: Vec<NamedBackend> = vec![("cpu", Box::new(CpuBackend::new(None)))];
         if self.gpu.is_some() {
-            backends.push(("gpu", Box::new(GpuBackend::headless(RasterChoice::Compute)?)));
+            backends.push(("gpu", gpu_backend()?));
         }
         Ok(backends)
     }

@@ -9,7 +9,7 @@ use super::{
     scenes::{Scene, differing, ratio, request},
 };
 use crate::{
-    device::PassTimes,
+    device::{PassTimes, Passes},
     render::{BudgetController, Camera, CpuBackend, FillBudget, Picture, Progressive, Reprojection, StoreOptions},
     store::SlotOrder,
 };
@@ -161,7 +161,7 @@ pub fn starvation(setup: &Setup) -> Result<Outcome, StabilityError> {
     let automatic = |is_shared: bool| {
         let mut controller = BudgetController::default();
         for _ in 0..200 {
-            let fill_points = controller.points(FillBudget::Target(0.016));
+            let fill_points = controller.points(FillBudget::Target(0.016), Passes::Depths);
             let fill = f64::from(fill_points) * 2e-8;
             let times = PassTimes { reproject: 0.048, fill, fill_points, ..Default::default() };
             controller.learn(&times, 0.0, 0.016);
@@ -169,7 +169,7 @@ pub fn starvation(setup: &Setup) -> Result<Outcome, StabilityError> {
         let left = if is_shared {
             0.0_f64.max(0.016 - 0.048) / 2e-8
         } else {
-            f64::from(controller.points(FillBudget::Target(0.016)))
+            f64::from(controller.points(FillBudget::Target(0.016), Passes::Depths))
         };
         // A thousand million stand for never.
         (f64::from(scene.len()) / left).ceil().min(1e9)

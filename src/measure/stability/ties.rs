@@ -2,11 +2,11 @@
 
 use super::{
     StabilityError,
-    experiment::{Claim, Outcome, Setup, largest},
+    experiment::{Claim, Outcome, Setup, gpu_backend, largest},
     picture::{Image, Strip},
     scenes::{MILLIMETRES, Scene, differing, noise, request},
 };
-use crate::render::{Backend, Camera, CpuBackend, GpuBackend, RasterChoice, StoreOptions, View};
+use crate::render::{Backend, Camera, CpuBackend, StoreOptions, View};
 
 const SIZE: [u32; 2] = [96, 72];
 
@@ -77,10 +77,7 @@ pub fn equal_depths(setup: &Setup) -> Result<Outcome, StabilityError> {
     let cpu = |threads| -> Box<dyn Backend> { Box::new(CpuBackend::new(Some(threads))) };
     let mut ours = vec![("cpu, 1, 2, 3 and 3 threads", backend_runs(vec![cpu(1), cpu(2), cpu(3), cpu(3)])?)];
     if setup.gpu.is_some() {
-        let gpu = || -> Result<Box<dyn Backend>, StabilityError> {
-            Ok(Box::new(GpuBackend::headless(RasterChoice::Compute)?))
-        };
-        ours.push(("gpu, three times", backend_runs(vec![gpu()?, gpu()?, gpu()?])?));
+        ours.push(("gpu, three times", backend_runs(vec![gpu_backend()?, gpu_backend()?, gpu_backend()?])?));
     }
     let mut strip = Vec::new();
     let image = |records: &[i64]| {

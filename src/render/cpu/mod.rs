@@ -2,22 +2,25 @@
 //! machines without a GPU. Twins are written from the design and the paper, not from the WGSL, and no
 //! result depends on the number of threads.
 
+mod average;
 mod index;
 mod raster;
 mod resolve;
 mod store;
 mod threads;
 
-use std::{sync::atomic::AtomicU64, thread::available_parallelism, time::Instant};
+use std::{ops::Range, sync::atomic::AtomicU64, thread::available_parallelism, time::Instant};
 
-use self::{resolve::Resolved, store::PointStore, threads::map_parts};
-use super::{Backend, BackendInfo, FramePlan, PassTimes, Picture, Raster, RenderError, View, elevation_ramp};
+use self::{average::PixelSums, resolve::Resolved, store::PointStore, threads::map_parts};
+use super::{
+    Averaging, Backend, BackendInfo, FramePlan, PassTimes, Picture, Raster, RenderError, Sums, View, elevation_ramp,
+};
 use crate::{scene::PointBatch, store::Insertion};
 
 /// The word of a pixel that no point covers.
 const BACKGROUND: u64 = u64::MAX;
 
-/// Largest picture. A pixel takes 20 bytes here, and as much again in a [`Picture`].
+/// Largest picture. A pixel takes 20 bytes here, 36 with high-quality shading, and as much again in a [`Picture`].
 const MAX_PIXELS: u64 = 1 << 28;
 
 /// Smallest shares of work that are worth a thread (starting one takes some 20 µs).
@@ -38,6 +41,8 @@ pub struct CpuBackend {
     height: u32,
     /// Per pixel: depth in the upper, slot in the lower half.
     words: Vec<AtomicU64>,
+    /// Of high-quality shading, per pixel; empty until asked for.
+    sums: Vec<PixelSums>,
     resolved: Resolved,
     ramp: [[u8; 4]; 256],
     /// Seconds that insertions took since the last frame.
@@ -53,7 +58,7 @@ impl CpuBackend {
         let threads = threads.unwrap_or_else(|| available_parallelism().map_or(1, usize::from)).max(1);
         let adapter = format!("CPU, {threads} {}", if threads == 1 { "thread" } else { "threads" });
         CpuBackend {
-            info: BackendInfo { adapter, api: "cpu".into(), driver: String::new(), raster: Raster::Cpu },
+            info: BackendInfo { adapter, api: "cpu".into(), driver: String::new(), method: Raster::Cpu, choice: None },
             threads,
             store: PointStore::default(),
             visible: Vec::new(),
@@ -62,11 +67,60 @@ impl CpuBackend {
             width: 0,
             height: 0,
             words: Vec::new(),
+            sums: Vec::new(),
             resolved: Resolved::default(),
             ramp: elevation_ramp(),
             insert_secs: 0.0,
             insertions: 0,
             times: None,
+        }
+    }
+
+    /// The sums of high-quality shading in the last frame that had any: red, green, blue and fragments of
+    /// each pixel, without its front point. For tests.
+    pub fn read_sums(&self) -> Vec<[u64; 4]> {
+        self.sums.iter().map(average::unpacked).collect()
+    }
+
+    /// Makes room for the sums of all pixels, and empties them if they begin anew.
+    fn prepare_sums(&mut self, begins: bool) -> Result<(), RenderError> {
+        if self.sums.len() != self.words.len() {
+            let (width, height) = (self.width, self.height);
+            self.sums = Vec::new();
+            let pixels = self.words.len();
+            let full = |_| RenderError::TooManyPixels { width, height, limit: MAX_PIXELS };
+            self.sums.try_reserve_exact(pixels).map_err(full)?;
+            self.sums.resize_with(pixels, PixelSums::default);
+        } else if begins {
+            self.sums.iter_mut().flatten().for_each(|sum| *sum.get_mut() = 0);
+        }
+        Ok(())
+    }
+
+    /// Adds a point to the sums.
+    fn add_slot(&self, plan: &FramePlan, slot: u32) {
+        let position = self.store.positions[slot as usize];
+        let color = || resolve::point_color(&plan.files, &self.store, slot, &self.ramp);
+        average::add_point(&self.sums, &self.words, &plan.view, slot, position, color);
+    }
+
+    /// Adds the points drawn from lists, but for those that [`CpuBackend::add_span`] adds.
+    fn add_lists(&self, plan: &FramePlan, averaging: &Averaging) {
+        let lists = [(&self.visible, plan.reproject), (&self.fresh, plan.fresh)];
+        for (list, _) in lists.into_iter().filter(|&(_, drawn)| drawn && averaging.lists) {
+            map_parts(self.threads, list.len(), POINTS_PER_THREAD, |part| {
+                let others = list[part].iter().filter(|slot| !averaging.slots.iter().any(|span| span.contains(slot)));
+                others.for_each(|&slot| self.add_slot(plan, slot));
+            });
+        }
+    }
+
+    fn add_span(&self, plan: &FramePlan, averaging: &Averaging) {
+        for span in &averaging.slots {
+            map_parts(self.threads, span.len(), POINTS_PER_THREAD, |part| {
+                (span.start + part.start as u32..span.start + part.end as u32)
+                    .for_each(|slot| self.add_slot(plan, slot));
+            });
         }
     }
 
@@ -82,6 +136,16 @@ impl CpuBackend {
         map_parts(self.threads, slots.len(), POINTS_PER_THREAD, |part| {
             for &slot in &slots[part] {
                 raster::draw_point(&self.words, &plan.view, slot, self.store.positions[slot as usize]);
+            }
+        });
+    }
+
+    /// Draws the points of a run of slots.
+    fn draw_span(&self, plan: &FramePlan, span: Range<u32>) {
+        let positions = &self.store.positions[span.start as usize..span.end as usize];
+        map_parts(self.threads, positions.len(), POINTS_PER_THREAD, |part| {
+            for (slot, &position) in (span.start + part.start as u32..).zip(&positions[part]) {
+                raster::draw_point(&self.words, &plan.view, slot, position);
             }
         });
     }
@@ -101,6 +165,10 @@ pub fn list_visible(view: &View, points: &[(u32, [i32; 3])]) -> Vec<u32> {
 impl Backend for CpuBackend {
     fn info(&self) -> &BackendInfo {
         &self.info
+    }
+
+    fn sums(&self) -> Sums {
+        Sums::Hqs
     }
 
     fn reset(&mut self, _points: u64) {
@@ -161,37 +229,47 @@ impl Backend for CpuBackend {
         let mut times = PassTimes {
             insert: std::mem::take(&mut self.insert_secs),
             insertions: std::mem::take(&mut self.insertions),
+            passes: plan.passes(),
             ..Default::default()
         };
 
         self.resize([plan.view.width, plan.view.height])?;
-        self.clear();
-        if plan.reproject {
-            self.draw_slots(plan, &self.visible);
+        if !plan.keeps_depths {
+            self.clear();
+            if plan.reproject {
+                self.draw_slots(plan, &self.visible);
+            }
+            times.reproject = lap();
+            if plan.fresh {
+                self.draw_slots(plan, &self.fresh);
+            }
+            times.fresh = lap();
+            for range in &plan.fill {
+                times.fill_points += range.end - range.start;
+                self.draw_span(plan, range.clone());
+            }
+            times.fill = lap();
         }
-        times.reproject = lap();
-        if plan.fresh {
-            self.draw_slots(plan, &self.fresh);
+        if !plan.shading.high_quality && !plan.aside {
+            self.sums = Vec::new();
+        }
+        if let Some(averaging) = &plan.averaging {
+            self.prepare_sums(averaging.begins)?;
+            self.add_lists(plan, averaging);
+            times.average = lap();
+            self.add_span(plan, averaging);
+            times.average_fill = lap();
+            times.average_points = averaging.points();
         }
         if !plan.aside {
             self.fresh.clear();
         }
-        times.fresh = lap();
-        for range in &plan.fill {
-            times.fill_points += range.end - range.start;
-            let positions = &self.store.positions[range.start as usize..range.end as usize];
-            map_parts(self.threads, positions.len(), POINTS_PER_THREAD, |part| {
-                for (slot, &position) in (range.start + part.start as u32..).zip(&positions[part]) {
-                    raster::draw_point(&self.words, &plan.view, slot, position);
-                }
-            });
-        }
-        times.fill = lap();
-        if !plan.aside {
+        if !plan.keeps_depths && !plan.aside {
             index::build(&mut self.visible, &self.words, &plan.view, self.threads);
         }
         times.index = lap();
-        self.resolved.resolve(plan, &self.words, &self.store, &self.ramp, self.threads);
+        let sums = plan.averaging.as_ref().map(|_| self.sums.as_slice());
+        self.resolved.resolve(plan, &self.words, sums, &self.store, &self.ramp, self.threads);
         times.resolve = lap();
         self.times = Some(times);
         Ok(())

@@ -6,7 +6,12 @@ use std::{
     thread,
 };
 
-use super::{BACKGROUND, PIXELS_PER_THREAD, raster, store::PointStore};
+use super::{
+    BACKGROUND, PIXELS_PER_THREAD,
+    average::{self, PixelSums},
+    raster,
+    store::PointStore,
+};
 use crate::render::{FileColor, FramePlan, shading};
 
 /// What the window shows, and the record of each pixel's point: slots lose their meaning with the
@@ -32,11 +37,12 @@ impl Resolved {
         Ok(())
     }
 
-    /// Colours the picture in `words`.
+    /// Colours the picture in `words`: by front points, or with `sums` by averages.
     pub fn resolve(
         &mut self,
         plan: &FramePlan,
         words: &[AtomicU64],
+        sums: Option<&[PixelSums]>,
         store: &PointStore,
         ramp: &[[u8; 4]; 256],
         threads: usize,
@@ -52,11 +58,12 @@ impl Resolved {
         thread::scope(|scope| {
             let parts = self.rgba.chunks_mut(part).zip(self.records.chunks_mut(part));
             let parts = parts.zip(self.depth.chunks_mut(part)).zip(words.chunks(part));
-            for (((rgba, records), depth), words) in parts {
+            for (k, (((rgba, records), depth), words)) in parts.enumerate() {
+                let sums = sums.map(|sums| &sums[k * part..][..words.len()]);
                 scope.spawn(move || {
                     for (i, word) in words.iter().enumerate() {
                         let word = word.load(Relaxed);
-                        (rgba[i], records[i]) = color(plan, word, store, ramp);
+                        (rgba[i], records[i]) = color(plan, word, sums.map(|sums| &sums[i]), store, ramp);
                         if lit {
                             depth[i] = if word == BACKGROUND { f32::INFINITY } else { raster::depth(word) };
                         }
@@ -88,16 +95,27 @@ impl Resolved {
 }
 
 /// Colour before lighting, and record, of a pixel.
-fn color(plan: &FramePlan, word: u64, store: &PointStore, ramp: &[[u8; 4]; 256]) -> ([u8; 4], u32) {
+fn color(
+    plan: &FramePlan,
+    word: u64,
+    sums: Option<&PixelSums>,
+    store: &PointStore,
+    ramp: &[[u8; 4]; 256],
+) -> ([u8; 4], u32) {
     if word == BACKGROUND {
         let [r, g, b] = plan.shading.background;
         return ([r, g, b, 255], 0);
     }
-    let slot = raster::slot(word) as usize;
-    let record = store.records[slot];
-    let file = file_of(&plan.files, record);
-    let [r, g, b] = file.color(store.attributes[slot], store.positions[slot][2], ramp);
-    ([r, g, b, 255], record)
+    let slot = raster::slot(word);
+    let front = point_color(&plan.files, store, slot, ramp);
+    let [r, g, b] = sums.map_or(front, |sums| shading::average(front, average::unpacked(sums)));
+    ([r, g, b, 255], store.records[slot as usize])
+}
+
+/// Colour of a point by its file's rule.
+pub fn point_color(files: &[FileColor], store: &PointStore, slot: u32, ramp: &[[u8; 4]; 256]) -> [u8; 3] {
+    let slot = slot as usize;
+    file_of(files, store.records[slot]).color(store.attributes[slot], store.positions[slot][2], ramp)
 }
 
 /// The file that a record is of: the last that begins at or before it.

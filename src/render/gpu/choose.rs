@@ -1,33 +1,28 @@
-//! Which rasterizer: what the user asked for if the device can, else the faster one, measured.
+//! Which rasterizers a device can run, and the one to begin with: what the user asked for, else the
+//! default until the candidates are measured.
 
-use std::time::Instant;
-
-use super::{GpuBackend, HardwareRaster};
+use super::{GpuBackend, HardwareRaster, compute::modules};
 use crate::{
-    gpu::shaders,
-    render::{Backend, Camera, FramePlan, Raster, RenderError, Shading},
-    scene::{Bounds, Grid, PointBatch},
-    store::Insertion,
+    methods::Needs,
+    render::{Candidate, Measured, Raster, RasterChoice, RenderError},
 };
 
-/// Which rasterizer to use.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum RasterChoice {
-    /// The faster one, measured at start.
-    #[default]
-    Auto,
-    /// Compute shaders; with 64-bit atomics where the device has them.
-    Compute,
-    /// Compute shaders with 32-bit atomics only.
-    Compute32,
-    /// Point-list draws.
-    Hardware,
+/// What the device lacks for a method, in words.
+pub fn missing(method: Raster, features: wgpu::Features, draws: Option<&'static str>) -> Option<String> {
+    let needed = modules(method).iter().fold(wgpu::Features::empty(), |all, shader| all | shader.needs);
+    let needed = needed.difference(features);
+    match method {
+        Raster::Points => draws.map(str::to_owned),
+        Raster::Cpu => Some("kernels of that name".into()),
+        _ => (!needed.is_empty()).then(|| Needs { features: needed, draws: false }.to_string()),
+    }
 }
 
-/// Points that the measurement draws: enough for a timestamp (30 µs at a billion points per second),
-/// few enough that a software rasterizer, at some million points per second, does not delay the window.
-const PROBE_POINTS: u32 = 30_000;
-const PROBE_SIZE: [u32; 2] = [640, 360];
+/// The fastest method on most devices, of those that a device with these features can run: early-z, or
+/// without 64-bit atomics two-pass-32.
+pub fn default_method(features: wgpu::Features) -> Raster {
+    if missing(Raster::EarlyZ, features, None).is_none() { Raster::EarlyZ } else { Raster::TwoPass32 }
+}
 
 /// A backend with the rasterizer that `choice` asks for.
 pub fn backend(
@@ -37,71 +32,64 @@ pub fn backend(
     choice: RasterChoice,
 ) -> Result<GpuBackend, RenderError> {
     let info = adapter.get_info();
-    let compute = if device.features().contains(shaders::INT64_MIN_MAX) { Raster::Compute } else { Raster::Compute32 };
-    let missing = HardwareRaster::missing(adapter);
-    let raster = match (choice, missing) {
-        (RasterChoice::Hardware, Some(missing)) => {
-            let missing = missing.to_owned();
-            return Err(RenderError::Unsupported { adapter: info.name, raster: Raster::Hardware, missing });
-        }
-        (RasterChoice::Hardware, None) => Raster::Hardware,
-        (RasterChoice::Compute32, _) => Raster::Compute32,
-        (RasterChoice::Compute | RasterChoice::Auto, _) => compute,
+    let draws = HardwareRaster::missing(adapter);
+    let lack = |method| missing(method, device.features(), draws);
+    let candidate = match choice {
+        RasterChoice::Auto => Candidate::new(default_method(device.features())),
+        RasterChoice::Fixed(candidate) => match lack(candidate.method) {
+            Some(missing) => {
+                return Err(RenderError::Unsupported { adapter: info.name, method: candidate.method, missing });
+            }
+            None => candidate,
+        },
     };
-    let mut backend = GpuBackend::with_raster(&info, device, queue, raster);
-    if choice == RasterChoice::Auto && missing.is_none() {
-        let compute_secs = probe(&mut backend)?;
-        let computing = backend.set_raster(Raster::Hardware);
-        let hardware_secs = probe(&mut backend)?;
-        // Never one by the device's clock and one by the host's.
-        let (by_compute, by_hardware) = match (compute_secs, hardware_secs) {
-            ((_, Some(by_compute)), (_, Some(by_hardware))) => (by_compute, by_hardware),
-            ((by_compute, _), (by_hardware, _)) => (by_compute, by_hardware),
-        };
-        log::info!("{PROBE_POINTS} points: {compute} {by_compute} s, hardware {by_hardware} s");
-        if by_compute <= by_hardware {
-            backend.put_back(compute, computing);
+    let (mut able, mut unable) = (Vec::new(), Vec::new());
+    for candidate in Candidate::all() {
+        match lack(candidate.method) {
+            None => able.push(candidate),
+            Some(missing) => unable.push(left_out(candidate, format!("the device lacks {missing}"))),
         }
-        backend.reset(0);
     }
-    Ok(backend)
+    Ok(GpuBackend::with_candidate(&info, device, queue, candidate, choice, (able, unable)))
 }
 
-/// Seconds to draw points spread over the picture, by the host's clock and, where there is one, by the
-/// device's: the second of two frames, since drivers finish compiling in the first.
-fn probe(backend: &mut GpuBackend) -> Result<(f64, Option<f64>), RenderError> {
-    backend.reset(PROBE_POINTS.into());
-    let insertion = Insertion::new(0, PROBE_POINTS, 0, 0);
-    let side = 1000;
-    let points = PointBatch {
-        positions: (0..PROBE_POINTS)
-            .map(|i| [0, 7, 13].map(|shift| (i.wrapping_mul(0x9E37_79B1).rotate_left(shift) % side).cast_signed()))
-            .collect(),
-        colors: vec![[0; 4]; PROBE_POINTS as usize],
-        records: (0..PROBE_POINTS).collect(),
-        ..Default::default()
-    };
-    backend.insert(&insertion, &points)?;
-    let grid = Grid { scale: [1.0; 3], origin: [0.0; 3] };
-    let bounds = Bounds { min: [0.0; 3], max: [f64::from(side); 3] };
-    let camera = Camera::fit(&bounds, &grid, f64::from(PROBE_SIZE[0]) / f64::from(PROBE_SIZE[1]));
-    let view = camera.view(&grid, PROBE_SIZE, 1).expect("a camera that fits a cube is valid");
-    let plan = FramePlan {
-        view,
-        reproject: false,
-        fresh: false,
-        fill: [0..PROBE_POINTS, 0..0],
-        shading: Shading::default(),
-        files: vec![],
-        aside: false,
-    };
-    let mut secs = (f64::INFINITY, None);
-    for _ in 0..2 {
-        let start = Instant::now();
-        backend.draw(&plan)?;
-        backend.wait()?;
-        let wall_secs = start.elapsed().as_secs_f64();
-        secs = (wall_secs, backend.pass_times().map(|times| times.fill).filter(|&secs| secs > 0.0));
+/// A row without a speed.
+pub fn left_out(candidate: Candidate, why: String) -> Measured {
+    Measured { candidate, speed: None, left_out: Some(why) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{gpu::shaders, methods};
+
+    #[test]
+    fn missing_features_are_named_and_lead_to_another_default() {
+        let all = shaders::INT64_ATOMICS | wgpu::Features::SUBGROUP;
+        let no_loads = all.difference(wgpu::Features::SHADER_INT64_ATOMIC_ALL_OPS);
+        let no_subgroups = shaders::INT64_ATOMICS;
+        let nothing = wgpu::Features::empty();
+        for method in Raster::ON_GPU {
+            assert_eq!(missing(method, all, None), None, "{method}");
+        }
+        let lacks = |method, features| missing(method, features, None).unwrap_or_default();
+        assert_eq!(lacks(Raster::EarlyZ, no_loads), "");
+        assert_eq!(lacks(Raster::EarlyZ, nothing), "64-bit atomic minimum");
+        assert_eq!(lacks(Raster::ReduceEarlyZ, no_subgroups), "subgroups");
+        assert_eq!(lacks(Raster::Dedup, nothing), "64-bit atomic minimum, subgroups");
+        assert_eq!(lacks(Raster::TwoPass32, nothing), "");
+        assert_eq!(missing(Raster::Points, all, Some("indirect draws")).as_deref(), Some("indirect draws"));
+        let defaults = [all, no_subgroups, no_loads, nothing].map(default_method);
+        assert_eq!(defaults, [Raster::EarlyZ, Raster::EarlyZ, Raster::EarlyZ, Raster::TwoPass32]);
     }
-    Ok(secs)
+
+    #[test]
+    fn methods_are_rows_of_the_table_that_give_every_pixel_its_front_point() {
+        for raster in Raster::ON_GPU {
+            let method = methods::by_name(raster.name()).expect("a row");
+            assert!(method.wrong_on_purpose.is_none() && !method.blends, "{raster}");
+            let needs = modules(raster).iter().fold(wgpu::Features::empty(), |all, shader| all | shader.needs);
+            assert_eq!(needs, method.needs.features, "{raster}");
+        }
+    }
 }

@@ -1,15 +1,133 @@
-//! The compute rasterizer: `atomicMin` decides each pixel. With 64-bit atomics one pass writes depth
-//! and slot at once; without, a pass for the depth and one for the slot.
+//! The compute rasterizers: `atomicMin` decides each pixel. With 64-bit atomics one pass writes depth
+//! and slot at once; without, a pass for the depth and one for the slot. They differ in what a fill
+//! does before the atomic operation; lists are short, and drawn alike by all.
+
+use std::{collections::HashMap, sync::mpsc, thread};
 
 use super::{
     sources::{Source, SourceBinder, Sources},
-    targets::{TargetLayouts, Targets},
+    targets::TargetLayouts,
 };
 use crate::{
-    gpu::{kernel, shaders, timing::FrameTimer},
-    render::Raster,
+    gpu::{
+        kernel,
+        shaders::{self, Shader},
+        timing::FrameTimer,
+    },
+    render::{Candidate, Raster},
     store::gpu::{DISPATCH_ARGUMENTS, GpuStore},
 };
+
+/// Points that a thread of `from_span` draws, as in `shaders/span.wgsl`.
+const SPAN_POINTS: u32 = 4;
+
+/// The modules of a method, in the order of their passes; none if it has no compute shaders.
+pub fn modules(method: Raster) -> &'static [&'static Shader] {
+    match method {
+        Raster::EarlyZ => &[&shaders::EARLY_Z],
+        Raster::AtomicMin => &[&shaders::ATOMIC_MIN],
+        Raster::Reduce => &[&shaders::REDUCE],
+        Raster::ReduceEarlyZ => &[&shaders::REDUCE_EARLY_Z],
+        Raster::Dedup => &[&shaders::DEDUP],
+        Raster::TwoPass32 => &[&shaders::DEPTH_32, &shaders::SLOT_32],
+        Raster::Points | Raster::Cpu => &[],
+    }
+}
+
+/// The module whose `from_list` serves a module: the one without subgroups that has the same `plot`.
+fn of_lists(module: &'static Shader) -> &'static Shader {
+    match module.name {
+        "REDUCE" | "DEDUP" => &shaders::ATOMIC_MIN,
+        "REDUCE_EARLY_Z" => &shaders::EARLY_Z,
+        _ => module,
+    }
+}
+
+/// A module's name and, of spans, the group size.
+type Key = (&'static str, Option<u32>);
+
+/// Pipelines, each made once: when it is first needed, or before on a thread of their own.
+pub struct Kernels {
+    layout: [wgpu::BindGroupLayout; 3],
+    made: HashMap<Key, wgpu::ComputePipeline>,
+    arriving: Option<mpsc::Receiver<(Key, wgpu::ComputePipeline)>>,
+}
+
+impl Kernels {
+    pub fn new(layouts: &TargetLayouts, store: &GpuStore, binder: &SourceBinder) -> Kernels {
+        let layout = [layouts.write.clone(), store.pages.layout_positions.clone(), binder.layout.clone()];
+        Kernels { layout, made: HashMap::new(), arriving: None }
+    }
+
+    /// Starts to make what these candidates need, in this order. A GPU's driver takes some 100 ms for each kernel
+    /// (H200), which no frame should wait for.
+    pub fn make_aside(&mut self, device: &wgpu::Device, candidates: Vec<Candidate>) {
+        let (sender, receiver) = mpsc::channel();
+        let mut own = Kernels { layout: self.layout.clone(), made: self.made.clone(), arriving: None };
+        let device = device.clone();
+        let make = move || {
+            for (shader, span_group) in candidates.into_iter().flat_map(needs) {
+                let key = (shader.name, span_group);
+                if !own.made.contains_key(&key) && sender.send((key, own.make(&device, shader, span_group))).is_err() {
+                    return;
+                }
+            }
+        };
+        // Without a thread, they are made when they are needed.
+        if thread::Builder::new().name("kernels".into()).spawn(make).is_ok() {
+            self.arriving = Some(receiver);
+        }
+    }
+
+    /// Whether a candidate's pipelines are there, or will never come from elsewhere.
+    pub fn is_ready(&mut self, candidate: Candidate) -> bool {
+        loop {
+            let is_made = |(shader, group): (&'static Shader, _)| self.made.contains_key(&(shader.name, group));
+            if needs(candidate).all(is_made) {
+                return true;
+            }
+            let Some(arriving) = &self.arriving else { return true };
+            match arriving.try_recv() {
+                Ok((key, pipeline)) => {
+                    self.made.insert(key, pipeline);
+                }
+                Err(mpsc::TryRecvError::Empty) => return false,
+                Err(mpsc::TryRecvError::Disconnected) => self.arriving = None,
+            }
+        }
+    }
+
+    /// `span_group` is the group size of `from_span`; without, it is `from_list`.
+    fn make(
+        &mut self,
+        device: &wgpu::Device,
+        shader: &'static Shader,
+        span_group: Option<u32>,
+    ) -> wgpu::ComputePipeline {
+        let make = || {
+            let groups = self.layout.each_ref();
+            let module = shader.module(device);
+            match span_group {
+                None => kernel::compute(device, &module, "from_list", &groups),
+                Some(group) => {
+                    let constants = [("SPAN_GROUP", f64::from(group))];
+                    kernel::compute_with(device, &module, "from_span", &groups, &constants)
+                }
+            }
+        };
+        self.made.entry((shader.name, span_group)).or_insert_with(make).clone()
+    }
+}
+
+fn group_size(candidate: Candidate) -> u32 {
+    candidate.group_size.unwrap_or(kernel::GROUP)
+}
+
+/// The pipelines of a candidate.
+fn needs(candidate: Candidate) -> impl Iterator<Item = (&'static Shader, Option<u32>)> {
+    let of = move |&shader: &&'static Shader| [(of_lists(shader), None), (shader, Some(group_size(candidate)))];
+    modules(candidate.method).iter().flat_map(of)
+}
 
 struct Plot {
     from_list: wgpu::ComputePipeline,
@@ -20,44 +138,33 @@ struct Plot {
 pub struct ComputeRaster {
     /// One, or first depths and then slots.
     plots: Vec<Plot>,
+    group_size: u32,
 }
 
 impl ComputeRaster {
-    pub fn new(
-        device: &wgpu::Device,
-        raster: Raster,
-        layouts: &TargetLayouts,
-        store: &GpuStore,
-        binder: &SourceBinder,
-    ) -> ComputeRaster {
-        let modules: &[shaders::Shader] = match raster {
-            Raster::Compute if device.features().contains(shaders::RASTER_64.needs) => &[shaders::RASTER_64],
-            Raster::Compute => &[shaders::RASTER_64_MIN],
-            _ => &[shaders::RASTER_DEPTH_32, shaders::RASTER_SLOT_32],
+    /// The device must have what the method's modules need.
+    pub fn new(device: &wgpu::Device, candidate: Candidate, kernels: &mut Kernels) -> ComputeRaster {
+        let group_size = group_size(candidate);
+        let plot = |shader: &&'static Shader| Plot {
+            from_list: kernels.make(device, of_lists(shader), None),
+            from_span: kernels.make(device, shader, Some(group_size)),
         };
-        let plots = modules.iter().map(|shader| {
-            let module = shader.module(device);
-            let groups = [&layouts.write, &store.pages.layout_positions, &binder.layout];
-            Plot {
-                from_list: kernel::compute(device, &module, "from_list", &groups),
-                from_span: kernel::compute(device, &module, "from_span", &groups),
-            }
-        });
-        ComputeRaster { plots: plots.collect() }
+        ComputeRaster { plots: modules(candidate.method).iter().map(plot).collect(), group_size }
     }
 
+    /// `bind_write` is of the words to draw to.
     pub fn record(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         timer: &mut FrameTimer,
-        targets: &Targets,
+        bind_write: &wgpu::BindGroup,
         store: &GpuStore,
         sources: &Sources,
     ) {
         for plot in &self.plots {
             for &source in &sources.list {
                 let mut pass = timer.compute_pass(encoder, source.stage());
-                pass.set_bind_group(0, &targets.bind_write, &[]);
+                pass.set_bind_group(0, bind_write, &[]);
                 match source {
                     Source::Reproject | Source::Fresh => {
                         pass.set_pipeline(&plot.from_list);
@@ -77,7 +184,8 @@ impl ComputeRaster {
                         for (piece, offset) in sources.pieces.iter().zip((0..).step_by(kernel::SPAN_STRIDE as usize)) {
                             pass.set_bind_group(1, &store.pages.at(piece.page).bind_positions, &[]);
                             pass.set_bind_group(2, &sources.bind_fresh, &[offset]);
-                            kernel::dispatch(&mut pass, piece.slots.end - piece.slots.start);
+                            let points = piece.slots.end - piece.slots.start;
+                            kernel::dispatch_groups(&mut pass, points.div_ceil(SPAN_POINTS * self.group_size));
                         }
                     }
                 }

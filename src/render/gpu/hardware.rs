@@ -2,10 +2,7 @@
 //! Equal to the compute rasterizer in every pixel, see `shaders/hardware.wgsl`; here to be measured
 //! against, and for devices whose atomics are slow.
 
-use super::{
-    sources::{Source, Sources},
-    targets::Targets,
-};
+use super::sources::{Source, Sources};
 use crate::{
     gpu::{
         kernel::{self, Binding},
@@ -17,7 +14,8 @@ use crate::{
 
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
-/// Rasterizes with draws.
+/// Rasterizes with draws. A clone shares the pipelines, and has targets of its own after it is resized.
+#[derive(Clone)]
 pub struct HardwareRaster {
     depth: wgpu::RenderPipeline,
     claim: wgpu::RenderPipeline,
@@ -26,6 +24,7 @@ pub struct HardwareRaster {
     target: Option<Target>,
 }
 
+#[derive(Clone)]
 struct Target {
     size: [u32; 2],
     view: wgpu::TextureView,
@@ -46,15 +45,15 @@ impl HardwareRaster {
         needed.iter().find(|(flag, _)| !flags.contains(*flag)).map(|&(_, name)| name)
     }
 
-    pub fn new(device: &wgpu::Device, store: &GpuStore) -> HardwareRaster {
+    pub fn new(device: &wgpu::Device, layout_positions: &wgpu::BindGroupLayout) -> HardwareRaster {
         let layout_words = words_layout(device);
         let layout_depths = kernel::layout(device, "depths", wgpu::ShaderStages::FRAGMENT, &[Binding::DepthTexture]);
         let module = shaders::HARDWARE.module(device);
         let pipeline = |label, claims: bool| {
             let groups: &[&wgpu::BindGroupLayout] = if claims {
-                &[&layout_words, &store.pages.layout_positions, &layout_depths]
+                &[&layout_words, layout_positions, &layout_depths]
             } else {
-                &[&layout_words, &store.pages.layout_positions]
+                &[&layout_words, layout_positions]
             };
             device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
                 label: Some(label),
@@ -97,9 +96,9 @@ impl HardwareRaster {
         }
     }
 
-    /// Follows the size of the picture.
-    pub fn resize(&mut self, device: &wgpu::Device, targets: &Targets, view: &wgpu::Buffer) {
-        let [width, height] = targets.size;
+    /// Draws to these words from now on, a picture of `size` pixels.
+    pub fn resize(&mut self, device: &wgpu::Device, view: &wgpu::Buffer, words: &wgpu::Buffer, size: [u32; 2]) {
+        let [width, height] = size;
         let texture = device.create_texture(&wgpu::TextureDescriptor {
             label: Some("depths"),
             size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
@@ -112,8 +111,8 @@ impl HardwareRaster {
         });
         let depths = texture.create_view(&Default::default());
         self.target = Some(Target {
-            size: targets.size,
-            bind_words: kernel::bind_buffers(device, "hardware words", &self.layout_words, &[view, &targets.words]),
+            size,
+            bind_words: kernel::bind_buffers(device, "hardware words", &self.layout_words, &[view, words]),
             bind_depths: kernel::bind(
                 device,
                 "depths",
@@ -124,17 +123,17 @@ impl HardwareRaster {
         });
     }
 
-    /// `instances` is the number of pixels of a point.
+    /// `size` must be that of the words; `instances` is the number of pixels of a point.
     pub fn record(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         timer: &mut FrameTimer,
-        targets: &Targets,
+        size: [u32; 2],
         store: &GpuStore,
         sources: &Sources,
         instances: u32,
     ) {
-        let Some(target) = self.target.as_ref().filter(|target| target.size == targets.size) else { return };
+        let Some(target) = self.target.as_ref().filter(|target| target.size == size) else { return };
         for claims in [false, true] {
             for (n, &source) in sources.list.iter().enumerate() {
                 let load = if n == 0 { wgpu::LoadOp::Clear(1.0) } else { wgpu::LoadOp::Load };

@@ -1,23 +1,32 @@
 //! The GPU backend: wgpu on Vulkan, Metal or DX12. [`GpuBackend::record`] is a frame, pass by pass.
 
+mod average;
 mod choose;
+mod color;
 mod compute;
 mod hardware;
 mod index;
+mod measure;
+mod probe;
 mod resolve;
 mod sources;
 mod targets;
 
-pub use self::{choose::RasterChoice, resolve::ShadingUniform};
+pub use self::resolve::ShadingUniform;
 use self::{
-    compute::ComputeRaster,
+    average::Average,
+    compute::{ComputeRaster, Kernels},
     hardware::HardwareRaster,
     index::IndexBuild,
+    measure::Chooser,
     resolve::Resolve,
     sources::{Source, SourceBinder, Sources},
     targets::{TargetLayouts, Targets},
 };
-use super::{Backend, BackendInfo, FramePlan, PassTimes, Picture, Raster, RenderError, View};
+use super::{
+    Averaging, Backend, BackendInfo, Candidate, FramePlan, Measured, PassTimes, Picture, RasterChoice, RenderError,
+    Sums, View,
+};
 use crate::{
     gpu::{
         device, kernel, shaders,
@@ -35,21 +44,6 @@ enum Rasterizer {
     Hardware(HardwareRaster),
 }
 
-impl Rasterizer {
-    fn new(
-        raster: Raster,
-        device: &wgpu::Device,
-        layouts: &TargetLayouts,
-        store: &GpuStore,
-        binder: &SourceBinder,
-    ) -> Rasterizer {
-        match raster {
-            Raster::Hardware => Rasterizer::Hardware(HardwareRaster::new(device, store)),
-            _ => Rasterizer::Compute(ComputeRaster::new(device, raster, layouts, store, binder)),
-        }
-    }
-}
-
 /// Stores points and draws frames on a GPU.
 pub struct GpuBackend {
     info: BackendInfo,
@@ -62,8 +56,11 @@ pub struct GpuBackend {
     clear: wgpu::ComputePipeline,
     binder: SourceBinder,
     rasterizer: Rasterizer,
+    chooser: Chooser,
     index: IndexBuild,
     resolve: Resolve,
+    /// For high-quality shading, once it was asked for.
+    average: Option<Average>,
     timer: FrameTimer,
     lost: std::sync::Arc<std::sync::Mutex<Option<String>>>,
 }
@@ -90,17 +87,21 @@ impl GpuBackend {
         choose::backend(adapter, device, queue, choice)
     }
 
-    /// A backend with a rasterizer that the device can run.
-    fn with_raster(
+    /// A backend that begins with a candidate that the device can run.
+    fn with_candidate(
         adapter: &wgpu::AdapterInfo,
         device: wgpu::Device,
         queue: wgpu::Queue,
-        raster: Raster,
+        candidate: Candidate,
+        choice: RasterChoice,
+        candidates: (Vec<Candidate>, Vec<Measured>),
     ) -> GpuBackend {
         let store = GpuStore::new(&device, &queue);
         let layouts = TargetLayouts::new(&device);
         let binder = SourceBinder::new(&device);
-        let rasterizer = Rasterizer::new(raster, &device, &layouts, &store, &binder);
+        let kernels = Kernels::new(&layouts, &store, &binder);
+        let mut chooser = Chooser::new(kernels, adapter.device_type, choice, candidates);
+        let rasterizer = chooser.rasterizer(&device, &store, candidate);
         let lost = std::sync::Arc::<std::sync::Mutex<Option<String>>>::default();
         let loss = lost.clone();
         device.set_device_lost_callback(move |reason, message| {
@@ -115,15 +116,18 @@ impl GpuBackend {
                 adapter: adapter.name.clone(),
                 api: adapter.backend.to_str().to_owned(),
                 driver: format!("{} {}", adapter.driver, adapter.driver_info).trim().to_owned(),
-                raster,
+                method: candidate.method,
+                choice: Some(chooser.first_choice(candidate)),
             },
             view: kernel::uniform(&device, "view", size_of::<View>() as u64),
             targets: None,
             clear: kernel::compute(&device, &shaders::CLEAR.module(&device), "clear", &[&layouts.write]),
             binder,
             rasterizer,
+            chooser,
             index: IndexBuild::new(&device, &layouts),
             resolve: Resolve::new(&device, &queue, &layouts, &store.pages),
+            average: None,
             timer: FrameTimer::new(&device, &queue, adapter.device_type),
             store,
             layouts,
@@ -131,19 +135,6 @@ impl GpuBackend {
             queue,
             lost,
         }
-    }
-
-    /// Another rasterizer that the device can run; returns the one before.
-    fn set_raster(&mut self, raster: Raster) -> Rasterizer {
-        let rasterizer = Rasterizer::new(raster, &self.device, &self.layouts, &self.store, &self.binder);
-        self.put_back(raster, rasterizer)
-    }
-
-    fn put_back(&mut self, raster: Raster, rasterizer: Rasterizer) -> Rasterizer {
-        self.info.raster = raster;
-        // A rasterizer may have targets of its own, made when the size of the picture changes.
-        self.targets = None;
-        std::mem::replace(&mut self.rasterizer, rasterizer)
     }
 
     /// The picture of the last frame: one u32 per pixel (red in the lowest byte, then green, blue,
@@ -169,18 +160,65 @@ impl GpuBackend {
         if self.store.pending_insertions() > 0 {
             self.store.record(&mut self.timer.compute_pass(encoder, Stage::Insert));
         }
-        self.record_clear(encoder, targets);
-        match &self.rasterizer {
-            Rasterizer::Compute(raster) => raster.record(encoder, &mut self.timer, targets, &self.store, sources),
-            Rasterizer::Hardware(raster) => {
-                let instances = plan.view.point_size.pow(2);
-                raster.record(encoder, &mut self.timer, targets, &self.store, sources, instances);
+        if !plan.keeps_depths {
+            self.record_clear(encoder, targets);
+            match &self.rasterizer {
+                Rasterizer::Compute(raster) => {
+                    raster.record(encoder, &mut self.timer, &targets.bind_write, &self.store, sources);
+                }
+                Rasterizer::Hardware(raster) => {
+                    let instances = plan.view.point_size.pow(2);
+                    raster.record(encoder, &mut self.timer, targets.size, &self.store, sources, instances);
+                }
             }
         }
-        if !plan.aside {
+        // Before the index build, which replaces the list of what was visible.
+        let bind_sums = self.record_average(encoder, targets, plan);
+        if !plan.keeps_depths && !plan.aside {
             self.index.record(&self.device, encoder, &mut self.timer, targets, &self.store.lists);
         }
-        self.resolve.record(&self.device, encoder, &mut self.timer, targets, &self.store.pages);
+        let averages = self.average.as_ref().map(Average::resolve).zip(bind_sums.as_ref());
+        self.resolve.record(&self.device, encoder, &mut self.timer, targets, &self.store.pages, averages);
+    }
+
+    /// The second pass of high-quality shading, if the frame has one; the bind group of its sums.
+    fn record_average(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        targets: &Targets,
+        plan: &FramePlan,
+    ) -> Option<wgpu::BindGroup> {
+        let (average, averaging) = (self.average.as_mut()?, plan.averaging.as_ref()?);
+        let lists = [(Source::Reproject, plan.reproject), (Source::Fresh, plan.fresh)];
+        let lists = lists.into_iter().filter_map(|(source, drawn)| drawn.then_some(source)).collect();
+        let read = (targets, &self.view, &self.resolve.tables);
+        average.record(&self.device, &self.queue, encoder, &mut self.timer, read, &self.store, lists, averaging)
+    }
+
+    /// Makes what high-quality shading needs, and drops it when it is switched off.
+    fn prepare_average(&mut self, plan: &FramePlan) -> Result<(), RenderError> {
+        if !plan.shading.high_quality && !plan.aside {
+            self.average = None;
+        }
+        if plan.averaging.is_none() {
+            return Ok(());
+        }
+        let size = [plan.view.width, plan.view.height];
+        let sums = average::sums_for(&self.device, u64::from(size[0]) * u64::from(size[1]));
+        let average = match self.average.take() {
+            Some(average) if average.sums == sums => average,
+            _ => {
+                let layout_colors = &self.resolve.layout_colors;
+                Average::new(&self.device, sums, &self.store.pages, &self.resolve.tables, layout_colors)
+            }
+        };
+        self.average.insert(average).resize(&self.device, size)
+    }
+
+    /// The sums of high-quality shading in the last frame that had any: red, green, blue and fragments of
+    /// each pixel, without its front point. For tests; waits for the device.
+    pub fn read_sums(&self) -> Result<Vec<[u64; 4]>, RenderError> {
+        self.average.as_ref().map_or(Ok(Vec::new()), |average| average.read(&self.device, &self.queue))
     }
 
     /// Counts as a part of reprojecting, as on the CPU backend.
@@ -204,8 +242,14 @@ impl Backend for GpuBackend {
         &self.info
     }
 
+    fn sums(&self) -> Sums {
+        let pixels = self.targets.as_ref().map_or(0, Targets::pixels);
+        average::sums_for(&self.device, pixels.into())
+    }
+
     fn reset(&mut self, points: u64) {
         self.store.reset(points);
+        self.chooser.reset(points);
     }
 
     fn insertions_per_frame(&self) -> usize {
@@ -214,7 +258,9 @@ impl Backend for GpuBackend {
 
     fn insert(&mut self, insertion: &Insertion, points: &PointBatch) -> Result<(), RenderError> {
         self.check_device()?;
-        self.store.upload(insertion, points)
+        self.store.upload(insertion, points)?;
+        self.chooser.stored = insertion.old + insertion.new;
+        Ok(())
     }
 
     fn resize(&mut self, size: [u32; 2]) -> Result<(), RenderError> {
@@ -231,7 +277,7 @@ impl Backend for GpuBackend {
             .map_err(|detail| RenderError::NoMemoryForPicture { width, height, detail })?;
         self.queue.submit([encoder.finish()]);
         if let Rasterizer::Hardware(raster) = &mut self.rasterizer {
-            raster.resize(&self.device, &targets, &self.view);
+            raster.resize(&self.device, &self.view, &targets.words, size);
         }
         self.targets = Some(targets);
         Ok(())
@@ -244,6 +290,7 @@ impl Backend for GpuBackend {
     fn draw(&mut self, plan: &FramePlan) -> Result<(), RenderError> {
         self.check_device()?;
         self.resize([plan.view.width, plan.view.height])?;
+        self.prepare_average(plan)?;
         let Some(targets) = self.targets.take() else { unreachable!("just made") };
         let mut encoder = self.device.create_command_encoder(&Default::default());
         self.store.lists.drop_forgotten(&mut encoder);
@@ -257,8 +304,10 @@ impl Backend for GpuBackend {
         let list = list.into_iter().filter_map(|(source, drawn)| drawn.then_some(source)).collect();
         let sources = self.binder.bind(&self.device, &self.queue, &self.store, list, &plan.fill);
         let work = Work {
-            fill_points: plan.fill.iter().map(|range| range.end - range.start).sum(),
+            fill_points: plan.fill_points(),
             insertions: self.store.pending_insertions(),
+            average_points: plan.averaging.as_ref().map_or(0, Averaging::points),
+            passes: plan.passes(),
         };
         self.record(&mut encoder, &targets, &sources, plan);
         self.timer.end(&mut encoder, work);
@@ -268,13 +317,18 @@ impl Backend for GpuBackend {
             self.store.forget_fresh();
         }
         self.targets = Some(targets);
-        self.check_device()
+        self.check_device()?;
+        if plan.aside { Ok(()) } else { self.measure_between_frames(plan.view) }
     }
 
     fn pass_times(&mut self) -> Option<PassTimes> {
         // An error here is a lost device, which the next frame reports.
         let _ = self.device.poll(wgpu::PollType::Poll);
         self.timer.take()
+    }
+
+    fn choose(&mut self) -> Result<(), RenderError> {
+        self.measure_all()
     }
 
     fn wait(&mut self) -> Result<(), RenderError> {

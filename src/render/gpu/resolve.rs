@@ -1,15 +1,16 @@
 //! Resolve: from the slots that won to colours, then eye-dome lighting.
 
-use wgpu::BufferUsages;
-
-use super::targets::{TargetLayouts, Targets};
+use super::{
+    color::ColorTables,
+    targets::{TargetLayouts, Targets},
+};
 use crate::{
     gpu::{
         kernel::{self, Binding},
         shaders,
         timing::{FrameTimer, Stage},
     },
-    render::{FileColor, FramePlan, elevation_ramp, shading::EDL_GAIN},
+    render::{FramePlan, shading::EDL_GAIN},
     store::gpu::Pages,
 };
 
@@ -28,10 +29,10 @@ pub struct Resolve {
     color: wgpu::ComputePipeline,
     identify: wgpu::ComputePipeline,
     light: wgpu::ComputePipeline,
-    layout_colors: wgpu::BindGroupLayout,
+    /// Of what is written: colours and records.
+    pub layout_colors: wgpu::BindGroupLayout,
     layout_light: wgpu::BindGroupLayout,
-    ramp: wgpu::Buffer,
-    files: wgpu::Buffer,
+    pub tables: ColorTables,
     shading: wgpu::Buffer,
 }
 
@@ -39,34 +40,28 @@ impl Resolve {
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, layouts: &TargetLayouts, pages: &Pages) -> Resolve {
         use Binding::{Read, ReadWrite, Uniform};
         let compute = wgpu::ShaderStages::COMPUTE;
-        let layout_colors = kernel::layout(device, "colors", compute, &[Read, Read, ReadWrite, ReadWrite]);
+        let layout_colors = kernel::layout(device, "colors", compute, &[ReadWrite, ReadWrite]);
         let layout_light = kernel::layout(device, "light", compute, &[Uniform, Read, ReadWrite]);
         let (resolve, light) = (shaders::RESOLVE.module(device), shaders::LIGHT.module(device));
-        let coloring =
-            |entry| kernel::compute(device, &resolve, entry, &[&layouts.read, &pages.layout_resolve, &layout_colors]);
-        let table = BufferUsages::STORAGE | BufferUsages::COPY_DST;
-        let ramp = kernel::buffer(device, "ramp", 256 * 4, table);
-        queue.write_buffer(&ramp, 0, bytemuck::cast_slice(&elevation_ramp()));
+        let tables = ColorTables::new(device, queue);
+        let coloring = |entry| {
+            let groups = [&layouts.read, &pages.layout_resolve, &layout_colors, &tables.layout];
+            kernel::compute(device, &resolve, entry, &groups)
+        };
         Resolve {
             color: coloring("color"),
             identify: coloring("identify"),
             light: kernel::compute(device, &light, "light", &[&layouts.read, &layout_light]),
-            ramp,
-            files: kernel::buffer(device, "files", size_of::<FileColor>() as u64, table),
             shading: kernel::uniform(device, "shading", size_of::<ShadingUniform>() as u64),
             layout_colors,
             layout_light,
+            tables,
         }
     }
 
     /// Uploads the colour rules and the shading of a frame.
     pub fn prepare(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, plan: &FramePlan) {
-        let files: &[u8] = bytemuck::cast_slice(&plan.files);
-        if self.files.size() != files.len() as u64 && !files.is_empty() {
-            self.files =
-                kernel::buffer(device, "files", files.len() as u64, BufferUsages::STORAGE | BufferUsages::COPY_DST);
-        }
-        queue.write_buffer(&self.files, 0, files);
+        self.tables.prepare(device, queue, &plan.files);
         let [r, g, b] = plan.shading.background;
         let uniform = ShadingUniform {
             edl_factor: EDL_GAIN * plan.shading.edl_strength,
@@ -77,6 +72,7 @@ impl Resolve {
         queue.write_buffer(&self.shading, 0, bytemuck::bytes_of(&uniform));
     }
 
+    /// `averages`: the pipeline that colours by averages, and the bind group of their sums.
     pub fn record(
         &self,
         device: &wgpu::Device,
@@ -84,12 +80,15 @@ impl Resolve {
         timer: &mut FrameTimer,
         targets: &Targets,
         pages: &Pages,
+        averages: Option<(&wgpu::ComputePipeline, &wgpu::BindGroup)>,
     ) {
+        let (pipeline, bind) = averages.unwrap_or((&self.color, &targets.bind_read));
         let mut pass = timer.compute_pass(encoder, Stage::Resolve);
-        self.record_pages(device, &mut pass, &self.color, targets, pages);
+        self.record_pages(device, &mut pass, pipeline, bind, targets, pages);
         let buffers = [&self.shading, &targets.colors, &targets.picture];
         let bind = kernel::bind_buffers(device, "light", &self.layout_light, &buffers);
         pass.set_pipeline(&self.light);
+        pass.set_bind_group(0, &targets.bind_read, &[]);
         pass.set_bind_group(1, &bind, &[]);
         kernel::dispatch(&mut pass, targets.pixels());
     }
@@ -103,7 +102,7 @@ impl Resolve {
         pages: &Pages,
     ) {
         let mut pass = encoder.begin_compute_pass(&Default::default());
-        self.record_pages(device, &mut pass, &self.identify, targets, pages);
+        self.record_pages(device, &mut pass, &self.identify, &targets.bind_read, targets, pages);
     }
 
     fn record_pages(
@@ -111,14 +110,16 @@ impl Resolve {
         device: &wgpu::Device,
         pass: &mut wgpu::ComputePass<'_>,
         pipeline: &wgpu::ComputePipeline,
+        bind_words: &wgpu::BindGroup,
         targets: &Targets,
         pages: &Pages,
     ) {
-        let buffers = [&self.files, &self.ramp, &targets.colors, &targets.records];
+        let buffers = [&targets.colors, &targets.records];
         let bind = kernel::bind_buffers(device, "colors", &self.layout_colors, &buffers);
         pass.set_pipeline(pipeline);
-        pass.set_bind_group(0, &targets.bind_read, &[]);
+        pass.set_bind_group(0, bind_words, &[]);
         pass.set_bind_group(2, &bind, &[]);
+        pass.set_bind_group(3, &self.tables.bind, &[]);
         for page in pages.iter() {
             pass.set_bind_group(1, &page.bind_resolve, &[]);
             kernel::dispatch(pass, targets.pixels());
