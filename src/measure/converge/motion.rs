@@ -9,9 +9,9 @@ use crate::render::Camera;
 /// A way to move the camera.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Motion {
-    /// Round the target by [`ORBIT_DEG`].
+    /// Round the target by 30 degrees.
     Orbit,
-    /// Straight ahead, level, by [`WALK_SHARE`] of the distance to the target.
+    /// Straight ahead, level, by a quarter of the distance to the target.
     Walk,
     /// At once to a nearer view from another side; then it stays.
     Jump,

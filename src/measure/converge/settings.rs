@@ -73,7 +73,7 @@ impl Variant {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Fill {
-    /// As many as fit into a frame of [`AUTO_TARGET_SECS`]: the viewer's choice.
+    /// As many as fit into a frame of 16 ms: the viewer's choice.
     Auto,
     Points(u32),
 }
