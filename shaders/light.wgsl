@@ -30,8 +30,11 @@ fn light(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) group
         return;
     }
     var color = colors[pixel];
-    if shading.edl_factor > 0.0 {
-        let shade = edl_shade(pixel, bitcast<f32>(word.y));
+    let depth = bitcast<f32>(word.y);
+    // Not by the factor alone: where a branch hangs on a uniform and leaves less than half of a kernel, lavapipe
+    // 22.3 compiles it anew for each dispatch, and keeps them all.
+    if shading.edl_factor * depth > 0.0 {
+        let shade = edl_shade(pixel, depth);
         let rgb = vec3<f32>(vec3<u32>(color, color >> 8u, color >> 16u) & vec3<u32>(255u));
         let lit = vec3<u32>(rgb * shade + 0.5);
         color = lit.x | (lit.y << 8u) | (lit.z << 16u) | OPAQUE;
