@@ -148,6 +148,9 @@ const HELD_UP: f64 = 1.3;
 /// Frames, by their weights, that make a line to judge others by.
 const ENOUGH_FRAMES: f64 = 3.0;
 
+/// Of a slope that a frame says nothing of. Budgets differ enough after some ten frames.
+const FADING: f64 = 0.985;
+
 impl CostModel {
     /// Seconds that a frame takes besides, and per point of its fill.
     fn learn(&mut self, times: &PassTimes) -> Option<(f64, f64)> {
@@ -182,11 +185,14 @@ impl CostModel {
         let (mean_x, mean_y) = (self.points / self.weight, self.secs / self.weight);
         let variance = self.points_squared / self.weight - mean_x * mean_x;
         let slope = (self.points_secs / self.weight - mean_x * mean_y) / variance;
-        // Budgets that hardly differ say nothing of the slope; what was learnt before still holds.
+        // Budgets that hardly differ say nothing of the slope. What was learnt before fades, so that the budget grows
+        // until it tells: else a device that was busy once would keep the budget of that time for good.
         if variance > (0.05 * mean_x).powi(2) && slope > 0.0 {
             self.secs_per_point = slope.min(mean_y / mean_x);
         } else if self.secs_per_point == 0.0 {
             self.secs_per_point = mean_y / mean_x;
+        } else {
+            self.secs_per_point *= FADING;
         }
         Some(((mean_y - self.secs_per_point * mean_x).max(0.0), self.secs_per_point))
     }
@@ -273,9 +279,11 @@ mod tests {
         // Of one frame in nine the line would be a sixth too high.
         let (least, _) = fills_while(300, |frame| if frame % 9 < 2 { 2.5 } else { 1.0 });
         assert!(least < 0.7, "two in a row count: {least}");
-        // As little as a device may get whose cost per point is not known to have changed.
-        let (least, _) = fills_while(104, |frame| if frame < 100 { 1.0 } else { 3.0 });
-        assert!(least < 0.67, "three frames after it became slower: {least}");
+        // Busy for a second or two, then free again.
+        let (_, largest) = fills_while(250, |frame| if frame < 100 { 8.0 } else { 1.0 });
+        assert!(largest > 0.95, "what was learnt while it was slow fades: {largest}");
+        let (least, _) = fills_while(115, |frame| if frame < 100 { 1.0 } else { 3.0 });
+        assert!(least < 0.6, "fifteen frames after it became slower: {least}");
     }
 
     #[test]
