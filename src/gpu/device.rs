@@ -1,6 +1,6 @@
 //! Choosing an adapter, and what is asked of it.
 
-use std::time::Duration;
+use std::{sync::OnceLock, time::Duration};
 
 use super::shaders;
 use crate::device::RenderError;
@@ -29,9 +29,11 @@ pub fn descriptor(adapter: &wgpu::Adapter) -> wgpu::DeviceDescriptor<'static> {
     }
 }
 
-/// The instance for work without a window. `WGPU_BACKEND` and wgpu's other variables are heeded.
-fn instance() -> wgpu::Instance {
-    wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env())
+/// The instance for work without a window, one for all devices of the process: NVIDIA's driver can be loaded
+/// some hundred times, then no more. `WGPU_BACKEND` and wgpu's other variables are heeded.
+pub fn instance() -> &'static wgpu::Instance {
+    static INSTANCE: OnceLock<wgpu::Instance> = OnceLock::new();
+    INSTANCE.get_or_init(|| wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env()))
 }
 
 /// The best adapter at hand and a device on it, for work without a window.

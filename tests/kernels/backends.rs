@@ -1,6 +1,9 @@
 //! The backends that can run here.
 
-use firstlight::render::{Backend, CpuBackend, GpuBackend, Raster, RasterChoice, RenderError};
+use firstlight::{
+    gpu::device,
+    render::{Backend, CpuBackend, GpuBackend, Raster, RasterChoice, RenderError},
+};
 
 pub const RASTERS: [Raster; 7] = Raster::ON_GPU;
 
@@ -30,8 +33,8 @@ pub fn without(features: wgpu::Features) -> Option<GpuBackend> {
 
 /// As [`without`], with this choice.
 pub fn with_choice_without(choice: RasterChoice, features: wgpu::Features) -> Option<Result<GpuBackend, RenderError>> {
-    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
-    let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default())).ok()?;
+    let adapter =
+        pollster::block_on(device::instance().request_adapter(&wgpu::RequestAdapterOptions::default())).ok()?;
     let mut descriptor = GpuBackend::device_descriptor(&adapter);
     descriptor.required_features.remove(features);
     let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).expect("fewer features than offered");

@@ -33,7 +33,16 @@ pub fn checks(report: &RasterReport) -> Vec<Check> {
             continue;
         }
         // A busy loop that gave up has said so, in numbers; it is judged where it did not.
+        let give_ups = rows.iter().map(|(_, accuracy)| accuracy.give_ups).min().unwrap_or(0);
         let rows: Vec<_> = rows.into_iter().filter(|(_, accuracy)| accuracy.give_ups == 0).collect();
+        if give_ups > 0 && rows.is_empty() {
+            checks.push(Check {
+                what: format!("{} must show the nearest points where none gives up", method.name),
+                holds: None,
+                found: format!("{give_ups} points gave up where there were the fewest"),
+            });
+            continue;
+        }
         let holes = rows.iter().map(|(_, a)| (a.missing_pixels + a.extra_pixels) as f64 / a.covered_pixels as f64);
         let holes = holes.reduce(f64::max);
         let errors = rows.iter().filter_map(|(block, accuracy)| {
@@ -125,6 +134,13 @@ mod tests {
         assert_eq!(verdict("just-set", wrong, 5000), Some(true));
         assert_eq!(verdict("racy", accuracy(), 5000), Some(false), "then nothing is shown by the comparison");
         assert_eq!(verdict("racy", accuracy(), 1500), None, "with a point per pixel there is nothing to get wrong");
+    }
+
+    #[test]
+    fn a_loop_that_gave_up_everywhere_says_so() {
+        let report = report("busy-loop", Accuracy { give_ups: 7, ..accuracy() }, 5000);
+        let check = &checks(&report)[0];
+        assert_eq!((check.holds, check.found.as_str()), (None, "7 points gave up where there were the fewest"));
     }
 
     #[test]
