@@ -3,7 +3,7 @@
 
 fn plot(pixel: u32, depth: f32, slot: u32) {
     let bits = bitcast<u32>(depth);
-    if bits < seen[pixel].y {
+    if bits < depth_seen(pixel) {
         atomicMin(&words[2u * pixel + 1u], bits);
     }
 }

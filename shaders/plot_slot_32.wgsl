@@ -2,8 +2,7 @@
 @group(0) @binding(1) var<storage, read_write> words: array<atomic<u32>>;
 
 fn plot(pixel: u32, depth: f32, slot: u32) {
-    let shown = seen[pixel];
-    if bitcast<u32>(depth) == shown.y && slot < shown.x {
+    if bitcast<u32>(depth) == depth_seen(pixel) {
         atomicMin(&words[2u * pixel], slot);
     }
 }

@@ -118,6 +118,10 @@ pub enum RenderError {
     TooManyPixels { width: u32, height: u32, limit: u64 },
     #[error("no memory for a picture of {width}x{height} pixels ({detail})")]
     NoMemoryForPicture { width: u32, height: u32, detail: String },
+    #[error(
+        "no room for high-quality shading of {width}x{height} pixels ({detail}); switch it off (--hq, HQ) or choose a smaller size"
+    )]
+    NoMemoryForSums { width: u32, height: u32, detail: String },
     #[error("out of memory after {stored} points ({detail}); the points so far are shown")]
     OutOfMemory { stored: u64, detail: String },
     #[error("the GPU stopped working: {0}")]

@@ -111,8 +111,8 @@ shader!(
     "raster",
     "span"
 );
-shader!(DEPTH_32, NOTHING, "group", "page", "project", "points", "early", "plot_depth_32", "raster", "span");
-shader!(SLOT_32, NOTHING, "group", "page", "project", "points", "early", "plot_slot_32", "raster", "span");
+shader!(DEPTH_32, NOTHING, "group", "page", "project", "points", "seen_atomic", "plot_depth_32", "raster", "span");
+shader!(SLOT_32, NOTHING, "group", "page", "project", "points", "seen_atomic", "plot_slot_32", "raster", "span");
 shader!(HARDWARE, NOTHING, "page", "project", "points", "hardware");
 shader!(INDEX, NOTHING, "group", "project", "index");
 shader!(RESOLVE, NOTHING, "group", "page", "project", "points", "color", "resolve");

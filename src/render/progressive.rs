@@ -11,7 +11,7 @@ use super::{
     frame::{FrameReport, FrameRequest, MAX_POINTS, Reprojection, StoreOptions},
 };
 use crate::{
-    device::{PassTimes, Passes, RenderError},
+    device::{PassTimes, Passes, Raster, RenderError},
     scene::{ColorStats, PointBatch, SceneFacts},
     store::{Coverage, Insertion, MAX_INSERTION_POINTS},
 };
@@ -48,6 +48,7 @@ pub struct Progressive<B> {
     /// Time on the host that the last frame's insertions took.
     insert_secs: f64,
     last_view: Option<View>,
+    last_method: Option<Raster>,
     last_shading: Option<Shading>,
     /// The words of the last frame are those of a picture aside.
     words_are_gone: bool,
@@ -80,6 +81,7 @@ impl<B: Backend> Progressive<B> {
             last_passes: Passes::default(),
             insert_secs: 0.0,
             last_view: None,
+            last_method: None,
             last_shading: None,
             words_are_gone: false,
         }
@@ -187,7 +189,9 @@ impl<B: Backend> Progressive<B> {
     /// Draws the next frame, if anything changed since the last.
     pub fn frame(&mut self, request: &FrameRequest) -> Result<FrameReport, RenderError> {
         let view_changed = self.last_view != Some(request.view);
-        if view_changed {
+        // Methods may round differently: a picture is of one.
+        let method_changed = self.last_method.replace(self.backend.info().method) != Some(self.backend.info().method);
+        if view_changed || method_changed {
             self.restart();
         }
         if let Some(times) = self.backend.pass_times() {

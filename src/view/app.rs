@@ -56,7 +56,7 @@ pub struct App {
     messages: Messages,
     size: [u32; 2],
     /// Size of the picture that could not be drawn; another may do.
-    undrawable: Option<[u32; 2]>,
+    undrawable: Option<([u32; 2], bool)>,
     last_report: Option<FrameReport>,
     pace: Pace,
 }
@@ -154,7 +154,7 @@ impl App {
         if let Some(navigation) = &self.navigation
             && self.size[0] > 0
             && self.size[1] > 0
-            && self.undrawable != Some(self.size)
+            && self.undrawable != Some((self.size, self.settings.high_quality))
         {
             match draw(&mut self.progressive, navigation, self.size, &self.settings, fill) {
                 Ok(report) => {
@@ -166,7 +166,7 @@ impl App {
                     // What is stored is still there to be shown.
                     again |= matches!(error, RenderError::OutOfMemory { .. });
                     if !again {
-                        self.undrawable = Some(self.size);
+                        self.undrawable = Some((self.size, self.settings.high_quality));
                     }
                     self.messages.add(Severity::Error, sentence(&error.to_string()));
                 }

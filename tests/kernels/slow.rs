@@ -5,7 +5,7 @@ use std::sync::Arc;
 use firstlight::{
     render::{
         Backend, BackendInfo, Camera, CpuBackend, FillBudget, FramePlan, FrameRequest, PassTimes, Passes, Picture,
-        Progressive, RenderError, Sums,
+        Progressive, Raster, RenderError, Sums,
     },
     scene::PointBatch,
     store::Insertion,
@@ -22,11 +22,13 @@ struct Slow {
     cpu: CpuBackend,
     secs: f64,
     passes: Vec<Passes>,
+    /// What it says that it is, if not a processor.
+    says: Option<BackendInfo>,
 }
 
 impl Backend for Slow {
     fn info(&self) -> &BackendInfo {
-        self.cpu.info()
+        self.says.as_ref().unwrap_or(self.cpu.info())
     }
     fn sums(&self) -> Sums {
         self.cpu.sums()
@@ -73,7 +75,7 @@ fn a_slow_device_averages_at_rest_and_comes_to_the_same() {
     let target = FillBudget::Target(0.016);
     let mut pictures = Vec::new();
     for (secs, passes_in_motion) in [(0.002, Passes::DepthsAndSums), (0.012, Passes::Depths)] {
-        let backend = Slow { cpu: CpuBackend::new(Some(2)), secs, passes: Vec::new() };
+        let backend = Slow { cpu: CpuBackend::new(Some(2)), secs, passes: Vec::new(), says: None };
         let mut progressive = Progressive::new(backend, options(65_536));
         progressive.open(Arc::new(cloud.facts.clone()));
         progressive.offer(cloud.batch(0..cloud.len()));
@@ -100,4 +102,22 @@ fn a_slow_device_averages_at_rest_and_comes_to_the_same() {
         pictures.push(picture);
     }
     assert_eq!(difference(&pictures[0], &pictures[1]), None);
+}
+
+/// Two methods may round a point into different pixels: half a picture of each would be no method's.
+#[test]
+fn after_a_change_of_method_all_points_are_tried_again() {
+    let cloud = Cloud::town(10_000);
+    let backend = Slow { cpu: CpuBackend::new(Some(1)), secs: 0.0, passes: Vec::new(), says: None };
+    let mut progressive = Progressive::new(backend, options(65_536));
+    progressive.open(Arc::new(cloud.facts.clone()));
+    progressive.offer(cloud.batch(0..cloud.len()));
+    progressive.end_of_input();
+    let request = request(&cloud, &cloud.camera(), 1, 3000);
+    let mut tried = || progressive.frame(&request).unwrap().points_tried;
+    assert_eq!([tried(), tried()], [10_000; 2], "all of them arrived in the first frame");
+    let info = progressive.backend().info().clone();
+    progressive.backend_mut().says = Some(BackendInfo { method: Raster::EarlyZ, ..info });
+    let mut tried = || progressive.frame(&request).unwrap().points_tried;
+    assert_eq!([tried(), tried(), tried(), tried(), tried()], [3000, 6000, 9000, 10_000, 10_000]);
 }

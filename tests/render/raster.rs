@@ -61,18 +61,16 @@ fn check_row(block: &Value, row: &Value, points: f64, count: f64) -> Result<(), 
     check_summary(&row["frame_secs"], secs, count)?;
     let median = |field: &str| number(&row[field]["median"]);
     let rate = median("points_per_sec")? * median("frame_secs")?;
-    // Times and rates have six digits.
-    ensure((rate / points - 1.0).abs() < 1e-5, "points per second times seconds")?;
-    let bytes = number(&row["bytes"])?;
-    ensure((median("bytes_per_sec")? * median("frame_secs")? / bytes - 1.0).abs() < 1e-5, "bytes per second")?;
-    // Methods of two passes read each point twice.
-    let reads = bytes / points / if block["encoding"] == "packed" { 8.0 } else { 16.0 };
-    ensure(reads == 1.0 || reads == 2.0, "bytes per point")?;
+    // Six digits each.
+    ensure((rate / points - 1.0).abs() < 1e-4, "points per second times seconds")?;
+    let bytes = median("bytes_per_sec")? * median("frame_secs")?;
+    ensure((bytes / number(&row["bytes"])? - 1.0).abs() < 1e-4, "bytes per second times seconds")?;
+    ensure(number(&row["bytes"])? >= 16.0 * points, "the positions of all points, at least once")?;
     let a = &row["accuracy"];
     let covered = number(&a["covered_pixels"])?;
     ensure(covered >= number(&block["covered_pixels"])?, "covered in one of the pictures")?;
     if let (Some(wrong), Some(share)) = (a["wrong_pixels"].as_f64(), a["right_share"].as_f64()) {
-        ensure((1.0 - wrong / covered - share).abs() < 1e-8, "wrong pixels and their share")?;
+        ensure((1.0 - wrong / covered - share).abs() < 1e-5, "wrong pixels and their share")?;
     }
     if row["method"] == "atomic-min" && covered > 0.0 {
         ensure(a["right_share"] == 1.0 && a["psnr_db"].is_null(), "atomic-min is what it is compared with")?;
@@ -121,7 +119,7 @@ fn a_report_agrees_with_itself() {
     spoil("/points", json!(19_999));
     spoil("/complete", json!(false));
     spoil("/frames", json!(3));
-    spoil("/blocks/0/rows/0/bytes", json!(160_000));
+    spoil("/blocks/0/rows/0/bytes", json!(8));
     spoil("/checks/0/holds", json!(false));
     spoil("/blocks/0/rows/0/samples/frame_secs/0", json!(99.0));
     spoil("/blocks/1/rows/3/points_per_sec/median", json!(1.0));
@@ -151,12 +149,13 @@ fn files_cameras_and_encodings() {
     bench.write("cam.json", camera.to_string());
     let args = "a.las --camera cam.json --size 96x64 --parts tables --orders morton --frames 1 --repeat 1 -o out -q";
     let mut pictures = Vec::new();
-    for encoding in ["wide", "packed"] {
+    for (encoding, bytes) in [("wide", 16 * 3000), ("packed", 8 * 3000)] {
         let run = bench.run(&format!("bench {args} --encoding {encoding} --methods early-z,just-set,hqs")).expect(0);
         assert!(run.stdout.is_empty(), "--quiet is quiet");
         let report = report(&bench);
         assert_eq!((&report["points"], &report["encodings"]), (&json!(3000), &json!([encoding])));
         let block = &report["blocks"][0];
+        assert_eq!((&block["encoding"], &block["rows"][1]["bytes"]), (&json!(encoding), &json!(bytes)));
         assert_eq!((&block["view"], &block["fragments"]), (&json!("camera"), &json!(3000)), "from above, all of it");
         assert_eq!(report["blocks"].as_array().unwrap().len(), 1, "no other viewpoint was asked for");
         let names: Vec<&Value> = report["methods"].as_array().unwrap().iter().map(|method| &method["name"]).collect();
@@ -195,7 +194,8 @@ fn an_interrupted_run_keeps_what_is_done() {
     assert_eq!(report["complete"], false);
     let blocks = report["blocks"].as_array().unwrap();
     assert!(!blocks.is_empty() && blocks.len() < 4, "{} blocks", blocks.len());
-    assert_eq!(blocks[0]["rows"][0]["samples"]["frame_secs"].as_array().unwrap().len(), 800);
+    let samples = blocks[0]["rows"][0]["samples"]["frame_secs"].as_array().unwrap().len();
+    assert!((2..=800).contains(&samples), "{samples} samples; slow machines draw fewer");
     assert!(fs::read_to_string(bench.path("out/index.html")).unwrap().contains("NOT COMPLETE"));
     let names: Vec<String> =
         fs::read_dir(bench.path("out")).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();

@@ -33,6 +33,11 @@ impl Growth {
         if let Some(other) = reports.iter().find(|report| report["report"] != TITLE) {
             return Err(format!("expected a report of \"{TITLE}\", found one of {}", other["report"]));
         }
+        for (what, field) in [("devices", "device"), ("sizes of the picture", "size_px")] {
+            if reports.iter().any(|report| report[field] != reports[0][field]) {
+                return Err(format!("these reports are of different {what}: one chart shows one"));
+            }
+        }
         let curves: Vec<Curve> = METHODS
             .iter()
             .filter(|method| self.methods.is_empty() || self.methods.contains(&method.name))
@@ -123,6 +128,9 @@ mod tests {
         assert!(Growth { order: Order::Morton, ..growth() }.svg(&reports).is_err());
         assert!(Growth { encoding: "packed", ..growth() }.svg(&reports).is_err());
         assert!(growth().svg(&[]).is_err());
+        let mut other = report(20, 1.0);
+        other["size_px"] = json!([1, 1]);
+        assert!(growth().svg(&[report(10, 1.0), other]).unwrap_err().contains("sizes of the picture"));
         assert!(growth().svg(&[json!({"report": "another"})]).unwrap_err().contains("another"));
     }
 }

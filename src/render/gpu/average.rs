@@ -103,14 +103,19 @@ impl Average {
         let [width, height] = size;
         let needed = u64::from(width) * u64::from(height) * bytes(self.sums);
         if needed > binding_limit(device) {
-            let limit = binding_limit(device) / bytes(self.sums);
-            return Err(RenderError::TooManyPixels { width, height, limit });
+            let detail = "more than it can bind".into();
+            return Err(RenderError::NoMemoryForSums { width, height, detail });
         }
         let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
         let words = kernel::in_memory(device, || kernel::buffer(device, "sums", needed, usage))
-            .map_err(|detail| RenderError::NoMemoryForPicture { width, height, detail })?;
+            .map_err(|detail| RenderError::NoMemoryForSums { width, height, detail })?;
         self.buffer = Some(Buffer { size, words });
         Ok(())
+    }
+
+    /// Frees the sums; the pipelines stay, for a GPU takes 100 ms to compile one.
+    pub fn free(&mut self) {
+        self.buffer = None;
     }
 
     /// Adds what `averaging` says to the sums; returns their bind group for [`Average::resolve`].

@@ -6,7 +6,7 @@ use std::{collections::HashMap, sync::mpsc, thread};
 
 use super::{
     sources::{Source, SourceBinder, Sources},
-    targets::TargetLayouts,
+    targets::{TargetLayouts, WriteBinds},
 };
 use crate::{
     gpu::{
@@ -34,6 +34,11 @@ pub fn modules(method: Raster) -> &'static [&'static Shader] {
     }
 }
 
+/// Whether a module looks at words before it writes them, `shaders/early.wgsl`.
+fn is_early(module: &Shader) -> bool {
+    ["EARLY_Z", "REDUCE_EARLY_Z"].contains(&module.name)
+}
+
 /// The module whose `from_list` serves a module: the one without subgroups that has the same `plot`.
 fn of_lists(module: &'static Shader) -> &'static Shader {
     match module.name {
@@ -48,22 +53,37 @@ type Key = (&'static str, Option<u32>);
 
 /// Pipelines, each made once: when it is first needed, or before on a thread of their own.
 pub struct Kernels {
-    layout: [wgpu::BindGroupLayout; 3],
+    /// Of words, of words for the early test, of positions, of slots.
+    layouts: [wgpu::BindGroupLayout; 4],
     made: HashMap<Key, wgpu::ComputePipeline>,
     arriving: Option<mpsc::Receiver<(Key, wgpu::ComputePipeline)>>,
+    maker: Option<thread::JoinHandle<()>>,
+}
+
+impl Drop for Kernels {
+    /// The program must not end amid a driver's compiling.
+    fn drop(&mut self) {
+        self.stop_making();
+    }
 }
 
 impl Kernels {
     pub fn new(layouts: &TargetLayouts, store: &GpuStore, binder: &SourceBinder) -> Kernels {
-        let layout = [layouts.write.clone(), store.pages.layout_positions.clone(), binder.layout.clone()];
-        Kernels { layout, made: HashMap::new(), arriving: None }
+        let layouts = [
+            layouts.write.clone(),
+            layouts.write_early.clone(),
+            store.pages.layout_positions.clone(),
+            binder.layout.clone(),
+        ];
+        Kernels { layouts, made: HashMap::new(), arriving: None, maker: None }
     }
 
     /// Starts to make what these candidates need, in this order. A GPU's driver takes some 100 ms for each kernel
     /// (H200), which no frame should wait for.
     pub fn make_aside(&mut self, device: &wgpu::Device, candidates: Vec<Candidate>) {
+        self.stop_making();
         let (sender, receiver) = mpsc::channel();
-        let mut own = Kernels { layout: self.layout.clone(), made: self.made.clone(), arriving: None };
+        let mut own = Kernels { layouts: self.layouts.clone(), made: self.made.clone(), arriving: None, maker: None };
         let device = device.clone();
         let make = move || {
             for (shader, span_group) in candidates.into_iter().flat_map(needs) {
@@ -74,8 +94,20 @@ impl Kernels {
             }
         };
         // Without a thread, they are made when they are needed.
-        if thread::Builder::new().name("kernels".into()).spawn(make).is_ok() {
+        if let Ok(maker) = thread::Builder::new().name("kernels".into()).spawn(make) {
             self.arriving = Some(receiver);
+            self.maker = Some(maker);
+        }
+    }
+
+    /// Keeps what was made so far; waits for the kernel that is being compiled.
+    fn stop_making(&mut self) {
+        if let Some(arriving) = self.arriving.take() {
+            self.made.extend(arriving.try_iter());
+        }
+        if let Some(maker) = self.maker.take() {
+            // A panic of the compiler was told where it happened.
+            let _ = maker.join();
         }
     }
 
@@ -105,7 +137,8 @@ impl Kernels {
         span_group: Option<u32>,
     ) -> wgpu::ComputePipeline {
         let make = || {
-            let groups = self.layout.each_ref();
+            let [plain, early, positions, slots] = &self.layouts;
+            let groups = [if is_early(shader) { early } else { plain }, positions, slots];
             let module = shader.module(device);
             match span_group {
                 None => kernel::compute(device, &module, "from_list", &groups),
@@ -139,6 +172,7 @@ pub struct ComputeRaster {
     /// One, or first depths and then slots.
     plots: Vec<Plot>,
     group_size: u32,
+    is_early: bool,
 }
 
 impl ComputeRaster {
@@ -149,22 +183,24 @@ impl ComputeRaster {
             from_list: kernels.make(device, of_lists(shader), None),
             from_span: kernels.make(device, shader, Some(group_size)),
         };
-        ComputeRaster { plots: modules(candidate.method).iter().map(plot).collect(), group_size }
+        let modules = modules(candidate.method);
+        let is_early = modules.iter().any(|module| is_early(module));
+        ComputeRaster { plots: modules.iter().map(plot).collect(), group_size, is_early }
     }
 
-    /// `bind_write` is of the words to draw to.
+    /// `binds_write` are of the words to draw to.
     pub fn record(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         timer: &mut FrameTimer,
-        bind_write: &wgpu::BindGroup,
+        binds_write: &WriteBinds,
         store: &GpuStore,
         sources: &Sources,
     ) {
         for plot in &self.plots {
             for &source in &sources.list {
                 let mut pass = timer.compute_pass(encoder, source.stage());
-                pass.set_bind_group(0, bind_write, &[]);
+                pass.set_bind_group(0, if self.is_early { &binds_write.early } else { &binds_write.plain }, &[]);
                 match source {
                     Source::Reproject | Source::Fresh => {
                         pass.set_pipeline(&plot.from_list);

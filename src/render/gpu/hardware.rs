@@ -97,9 +97,18 @@ impl HardwareRaster {
     }
 
     /// Draws to these words from now on, a picture of `size` pixels.
-    pub fn resize(&mut self, device: &wgpu::Device, view: &wgpu::Buffer, words: &wgpu::Buffer, size: [u32; 2]) {
+    ///
+    /// # Errors
+    /// The device's message if it has no memory for the depths.
+    pub fn resize(
+        &mut self,
+        device: &wgpu::Device,
+        view: &wgpu::Buffer,
+        words: &wgpu::Buffer,
+        size: [u32; 2],
+    ) -> Result<(), String> {
         let [width, height] = size;
-        let texture = device.create_texture(&wgpu::TextureDescriptor {
+        let descriptor = wgpu::TextureDescriptor {
             label: Some("depths"),
             size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
             mip_level_count: 1,
@@ -108,7 +117,8 @@ impl HardwareRaster {
             format: FORMAT,
             usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
             view_formats: &[],
-        });
+        };
+        let texture = kernel::in_memory(device, || device.create_texture(&descriptor))?;
         let depths = texture.create_view(&Default::default());
         self.target = Some(Target {
             size,
@@ -121,6 +131,7 @@ impl HardwareRaster {
             ),
             view: depths,
         });
+        Ok(())
     }
 
     /// `size` must be that of the words; `instances` is the number of pixels of a point.

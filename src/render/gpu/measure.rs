@@ -7,7 +7,6 @@
 
 use std::{
     collections::VecDeque,
-    sync::mpsc,
     thread,
     time::{Duration, Instant},
 };
@@ -52,7 +51,7 @@ pub struct Chooser {
     device_type: wgpu::DeviceType,
     kernels: Kernels,
     hardware: Option<HardwareRaster>,
-    hardware_arriving: Option<mpsc::Receiver<HardwareRaster>>,
+    hardware_maker: Option<thread::JoinHandle<HardwareRaster>>,
     /// What the device can run.
     able: Vec<Candidate>,
     /// What it cannot, with the reason.
@@ -88,6 +87,13 @@ enum Due {
     Now,
 }
 
+impl Drop for Chooser {
+    /// As [`Kernels`]'.
+    fn drop(&mut self) {
+        self.hardware_maker.take().map(thread::JoinHandle::join);
+    }
+}
+
 impl Chooser {
     pub fn new(
         kernels: Kernels,
@@ -100,7 +106,7 @@ impl Chooser {
             device_type,
             kernels,
             hardware: None,
-            hardware_arriving: None,
+            hardware_maker: None,
             able,
             unable,
             ready: Instant::now(),
@@ -140,14 +146,11 @@ impl Chooser {
 
     /// Starts to make what these candidates need, on threads of their own.
     fn make_aside(&mut self, device: &wgpu::Device, store: &GpuStore, candidates: Vec<Candidate>) {
-        if self.hardware.is_none() && candidates.iter().any(|candidate| candidate.method == Raster::Points) {
-            let (sender, receiver) = mpsc::channel();
+        let wants_points = candidates.iter().any(|candidate| candidate.method == Raster::Points);
+        if self.hardware.is_none() && self.hardware_maker.is_none() && wants_points {
             let (device, layout) = (device.clone(), store.pages.layout_positions.clone());
-            // Nobody may want it any more.
-            let make = move || drop(sender.send(HardwareRaster::new(&device, &layout)));
-            if thread::Builder::new().name("point lists".into()).spawn(make).is_ok() {
-                self.hardware_arriving = Some(receiver);
-            }
+            let make = move || HardwareRaster::new(&device, &layout);
+            self.hardware_maker = thread::Builder::new().name("point lists".into()).spawn(make).ok();
         }
         self.kernels.make_aside(device, candidates);
     }
@@ -157,13 +160,12 @@ impl Chooser {
         if candidate.method != Raster::Points {
             return self.kernels.is_ready(candidate);
         }
-        let Some(arriving) = &self.hardware_arriving else { return true };
-        match arriving.try_recv() {
-            Ok(raster) => self.hardware = Some(raster),
-            Err(mpsc::TryRecvError::Empty) => return false,
-            Err(mpsc::TryRecvError::Disconnected) => {}
+        if self.hardware_maker.as_ref().is_some_and(|maker| !maker.is_finished()) {
+            return false;
         }
-        self.hardware_arriving = None;
+        if let Some(raster) = self.hardware_maker.take().and_then(|maker| maker.join().ok()) {
+            self.hardware = Some(raster);
+        }
         true
     }
 
@@ -294,7 +296,7 @@ impl GpuBackend {
             let speed = round.probe.speed(&mut self.scene(), &mut rasterizer)?;
             round.longest = round.longest.max(begun.elapsed() / kernels);
             log::debug!("measuring {candidate}: {compiled:.1?} to compile, {:.1?} in all", begun.elapsed());
-            let left_out = speed.is_none().then(|| "the clock gave no time".into());
+            let left_out = speed.is_none().then(|| "no time could be taken".into());
             round.table.push(Measured { candidate, speed, left_out });
             if start.elapsed() >= slice && !round.waiting.is_empty() {
                 break;
@@ -413,8 +415,11 @@ impl GpuBackend {
         );
         if now != before {
             let mut rasterizer = self.chooser.rasterizer(&self.device, &self.store, now);
-            if let (Rasterizer::Hardware(raster), Some(targets)) = (&mut rasterizer, &self.targets) {
-                raster.resize(&self.device, &self.view, &targets.words, targets.size);
+            if let (Rasterizer::Hardware(raster), Some(targets)) = (&mut rasterizer, &self.targets)
+                && let Err(detail) = raster.resize(&self.device, &self.view, &targets.words, targets.size)
+            {
+                log::warn!("{now} is faster than {before}, but has no memory ({detail})");
+                return;
             }
             self.rasterizer = rasterizer;
         }

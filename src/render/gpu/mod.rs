@@ -164,7 +164,7 @@ impl GpuBackend {
             self.record_clear(encoder, targets);
             match &self.rasterizer {
                 Rasterizer::Compute(raster) => {
-                    raster.record(encoder, &mut self.timer, &targets.bind_write, &self.store, sources);
+                    raster.record(encoder, &mut self.timer, &targets.binds_write, &self.store, sources);
                 }
                 Rasterizer::Hardware(raster) => {
                     let instances = plan.view.point_size.pow(2);
@@ -197,8 +197,8 @@ impl GpuBackend {
 
     /// Makes what high-quality shading needs, and drops it when it is switched off.
     fn prepare_average(&mut self, plan: &FramePlan) -> Result<(), RenderError> {
-        if !plan.shading.high_quality && !plan.aside {
-            self.average = None;
+        if let Some(average) = self.average.as_mut().filter(|_| !plan.shading.high_quality && !plan.aside) {
+            average.free();
         }
         if plan.averaging.is_none() {
             return Ok(());
@@ -225,7 +225,7 @@ impl GpuBackend {
     fn record_clear(&mut self, encoder: &mut wgpu::CommandEncoder, targets: &Targets) {
         let mut pass = self.timer.compute_pass(encoder, Stage::Reproject);
         pass.set_pipeline(&self.clear);
-        pass.set_bind_group(0, &targets.bind_write, &[]);
+        pass.set_bind_group(0, &targets.binds_write.plain, &[]);
         kernel::dispatch(&mut pass, targets.pixels());
     }
 
@@ -277,7 +277,9 @@ impl Backend for GpuBackend {
             .map_err(|detail| RenderError::NoMemoryForPicture { width, height, detail })?;
         self.queue.submit([encoder.finish()]);
         if let Rasterizer::Hardware(raster) = &mut self.rasterizer {
-            raster.resize(&self.device, &self.view, &targets.words, size);
+            raster
+                .resize(&self.device, &self.view, &targets.words, size)
+                .map_err(|detail| RenderError::NoMemoryForPicture { width, height, detail })?;
         }
         self.targets = Some(targets);
         Ok(())

@@ -6,7 +6,7 @@ use std::time::Instant;
 use super::{
     Rasterizer,
     sources::{Source, SourceBinder},
-    targets::TargetLayouts,
+    targets::{TargetLayouts, WriteBinds},
 };
 use crate::{
     gpu::{
@@ -52,7 +52,7 @@ pub struct Scene<'a> {
 pub struct Probe {
     view: wgpu::Buffer,
     words: wgpu::Buffer,
-    bind_write: wgpu::BindGroup,
+    binds_write: WriteBinds,
     timer: FrameTimer,
     /// The view on screen and the concentrated one.
     views: [View; 2],
@@ -78,7 +78,7 @@ impl Probe {
         let words = kernel::in_memory(device, || kernel::buffer(device, "probe words", 8 * pixels, usage))?;
         let uniform = kernel::uniform(device, "probe view", size_of::<View>() as u64);
         Ok(Probe {
-            bind_write: kernel::bind_buffers(device, "probe words", &layouts.write, &[&uniform, &words, &words]),
+            binds_write: WriteBinds::new(device, layouts, &uniform, &words),
             view: uniform,
             words,
             timer: FrameTimer::new(device, scene.queue, device_type),
@@ -101,12 +101,14 @@ impl Probe {
         {
             let mut pass = encoder.begin_compute_pass(&Default::default());
             pass.set_pipeline(clear);
-            pass.set_bind_group(0, &self.bind_write, &[]);
+            pass.set_bind_group(0, &self.binds_write.plain, &[]);
             scene.queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&self.views[0]));
             kernel::dispatch(&mut pass, self.views[0].width * self.views[0].height);
         }
         scene.queue.submit([encoder.finish()]);
-        self.aim(scene, rasterizer);
+        if !self.aim(scene, rasterizer) {
+            return Ok(());
+        }
         for view in self.views {
             self.draw(scene, rasterizer, &view)?;
         }
@@ -117,9 +119,11 @@ impl Probe {
         Ok(())
     }
 
-    /// How fast a rasterizer is; none if the clock gave no time.
+    /// How fast a rasterizer is; none if the clock gave no time, or memory has no room.
     pub fn speed(&mut self, scene: &mut Scene<'_>, rasterizer: &mut Rasterizer) -> Result<Option<Speed>, RenderError> {
-        self.aim(scene, rasterizer);
+        if !self.aim(scene, rasterizer) {
+            return Ok(None);
+        }
         let mut fastest = [None::<(f64, Clock)>; 2];
         for (fastest, view) in fastest.iter_mut().zip(self.views) {
             // The first one is not timed: drivers finish compiling in it.
@@ -137,9 +141,12 @@ impl Probe {
         Ok(Some(Speed { overview_points_per_sec: rate(overview), far_points_per_sec: rate(far), clock }))
     }
 
-    fn aim(&self, scene: &Scene<'_>, rasterizer: &mut Rasterizer) {
-        if let Rasterizer::Hardware(raster) = rasterizer {
-            raster.resize(scene.device, &self.view, &self.words, [self.views[0].width, self.views[0].height]);
+    /// False if there is no memory for it.
+    fn aim(&self, scene: &Scene<'_>, rasterizer: &mut Rasterizer) -> bool {
+        let size = [self.views[0].width, self.views[0].height];
+        match rasterizer {
+            Rasterizer::Hardware(raster) => raster.resize(scene.device, &self.view, &self.words, size).is_ok(),
+            Rasterizer::Compute(_) => true,
         }
     }
 
@@ -159,7 +166,7 @@ impl Probe {
         self.timer.begin();
         match rasterizer {
             Rasterizer::Compute(raster) => {
-                raster.record(&mut encoder, &mut self.timer, &self.bind_write, store, &sources);
+                raster.record(&mut encoder, &mut self.timer, &self.binds_write, store, &sources);
             }
             Rasterizer::Hardware(raster) => {
                 let size = [view.width, view.height];

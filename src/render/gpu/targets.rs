@@ -18,8 +18,8 @@ pub struct Targets {
     pub picture: wgpu::Buffer,
     /// Record that each pixel shows; filled for a read-back.
     pub records: wgpu::Buffer,
-    /// View and words, for kernels that write words.
-    pub bind_write: wgpu::BindGroup,
+    /// For kernels that write words.
+    pub binds_write: WriteBinds,
     /// View and words, for kernels that read them.
     pub bind_read: wgpu::BindGroup,
 }
@@ -27,6 +27,8 @@ pub struct Targets {
 /// The layouts of [`Targets`]' bind groups.
 pub struct TargetLayouts {
     pub write: wgpu::BindGroupLayout,
+    /// The words twice, see `shaders/early.wgsl`.
+    pub write_early: wgpu::BindGroupLayout,
     pub read: wgpu::BindGroupLayout,
 }
 
@@ -34,8 +36,30 @@ impl TargetLayouts {
     pub fn new(device: &wgpu::Device) -> TargetLayouts {
         use Binding::{Read, ReadWrite, Uniform};
         TargetLayouts {
-            write: kernel::layout(device, "words", wgpu::ShaderStages::COMPUTE, &[Uniform, ReadWrite, ReadWrite]),
+            write: kernel::layout(device, "words", wgpu::ShaderStages::COMPUTE, &[Uniform, ReadWrite]),
+            write_early: kernel::layout(
+                device,
+                "words, early test",
+                wgpu::ShaderStages::COMPUTE,
+                &[Uniform, ReadWrite, ReadWrite],
+            ),
             read: kernel::layout(device, "words, read", wgpu::ShaderStages::COMPUTE, &[Uniform, Read]),
+        }
+    }
+}
+
+/// View and words, for kernels that write words.
+pub struct WriteBinds {
+    pub plain: wgpu::BindGroup,
+    /// For kernels with the early test.
+    pub early: wgpu::BindGroup,
+}
+
+impl WriteBinds {
+    pub fn new(device: &wgpu::Device, layouts: &TargetLayouts, view: &wgpu::Buffer, words: &wgpu::Buffer) -> Self {
+        WriteBinds {
+            plain: kernel::bind_buffers(device, "words", &layouts.write, &[view, words]),
+            early: kernel::bind_buffers(device, "words, early test", &layouts.write_early, &[view, words, words]),
         }
     }
 }
@@ -62,8 +86,7 @@ impl Targets {
         .map_err(|detail| RenderError::NoMemoryForPicture { width, height, detail })?;
         Ok(Targets {
             size,
-            // The words a second time: without atomics, for the early test.
-            bind_write: kernel::bind_buffers(device, "words", &layouts.write, &[view, &words, &words]),
+            binds_write: WriteBinds::new(device, layouts, view, &words),
             bind_read: kernel::bind_buffers(device, "words, read", &layouts.read, &[view, &words]),
             words,
             colors,
