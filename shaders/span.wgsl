@@ -1,5 +1,5 @@
 // Rasterizes a range of slots, all in the bound page. A thread draws four, all loaded before the first is
-// drawn, so that it waits for memory once: 1.1 to 1.7 times as fast as one, see src/methods/mod.rs.
+// drawn, so that it waits for memory once. For what that is worth see src/methods/mod.rs.
 // Neighbouring threads load neighbouring points.
 
 // Threads in a workgroup: which number is fastest differs from device to device.

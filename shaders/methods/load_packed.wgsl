@@ -1,8 +1,8 @@
 // 8 bytes a point: the distances from the lowest corner, x in the lowest bits, y and z above. Colours
 // have a buffer of their own. `local` counts from the page's first point.
 //
-// The bits are known when the pipeline is made, so that the compiler leaves out what no field needs: 513 billion
-// points/s on an H200 with nothing in the picture, 375 with bits from a buffer.
+// The bits are known when the pipeline is made, so that the compiler leaves out what no field needs. With
+// IS_NEAR of project.wgsl: 514 billion points/s on an H200 with nothing in the picture, without both 375.
 override bits_x: u32 = 0u;
 override bits_y: u32 = 0u;
 override bits_z: u32 = 0u;

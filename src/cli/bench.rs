@@ -2,14 +2,16 @@
 
 use std::{
     env, fs,
-    io::{self, IsTerminal, Write},
+    io::{self, Write},
     path::{Path, PathBuf},
 };
 
 use clap::{Args, ValueEnum};
-use indicatif::{ProgressBar, ProgressStyle};
 
-use super::{CliError, ExitStatus, bench_ingest::command_line, bench_ingest::once, render::read_camera, say, values};
+use super::{
+    CliError, ExitStatus, bench_ingest::command_line, bench_ingest::once, render::read_camera, say, steps::Steps,
+    values,
+};
 use crate::{
     headless::Destination,
     measure::{
@@ -191,9 +193,10 @@ pub fn run(args: BenchArgs) -> Result<ExitStatus, CliError> {
         seed: args.seed,
         command: command_line(env::args_os()),
     };
-    let mut follow = Follow { folder, bar: bar(args.quiet), quiet: args.quiet };
+    let mut follow =
+        Follow { folder, steps: Steps::new(args.quiet, "{bar:30} {pos}/{len}, {elapsed}, {eta} left: {msg}") };
     let report = bench_raster(&settings, &gpu, &mut follow);
-    follow.bar.finish_and_clear();
+    follow.steps.finish();
     let report = report?;
     if !args.quiet {
         // If nobody reads the tables, the report is written all the same.
@@ -259,31 +262,14 @@ fn list() -> Result<ExitStatus, CliError> {
     Ok(ExitStatus::Ok)
 }
 
-fn bar(quiet: bool) -> ProgressBar {
-    if quiet || !io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let bar = ProgressBar::new(1);
-    match ProgressStyle::with_template("{bar:30} {pos}/{len}, {elapsed}, {eta} left: {msg}") {
-        Ok(style) => bar.with_style(style),
-        Err(_) => bar,
-    }
-}
-
 struct Follow {
     folder: ReportDir,
-    bar: ProgressBar,
-    quiet: bool,
+    steps: Steps,
 }
 
 impl Watcher for Follow {
     fn step(&mut self, done: usize, total: usize, what: &str) {
-        self.bar.set_length(total as u64);
-        self.bar.set_position(done as u64);
-        self.bar.set_message(what.to_owned());
-        if !self.quiet && self.bar.is_hidden() {
-            say(&format!("{done} of {total}: {what}"));
-        }
+        self.steps.step(done, total, what);
     }
 
     fn save(&mut self, report: &RasterReport) -> Result<(), ReportDirError> {

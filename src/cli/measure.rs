@@ -2,18 +2,19 @@
 
 use std::{
     env, fs,
-    io::{self, IsTerminal, Write},
+    io::{self, Write},
     path::{Path, PathBuf},
 };
 
 use clap::{Args, ValueEnum};
-use indicatif::{ProgressBar, ProgressStyle};
 
 use super::{
     CliError, ExitStatus,
     bench_ingest::{command_line, once},
     render::{BackendArg, backend_choice, read_camera},
-    say, values,
+    say,
+    steps::Steps,
+    values,
 };
 use crate::{
     measure::{
@@ -165,9 +166,9 @@ pub fn run(args: MeasureArgs) -> Result<ExitStatus, CliError> {
     let output = args.output.clone();
     let settings = args.validate()?;
     let folder = ReportDir::prepare(&output, "measure.json", TITLE)?;
-    let mut follow = Follow { folder, bar: bar(quiet), quiet, told: String::new() };
+    let mut follow = Follow { folder, steps: Steps::new(quiet, "{bar:30} {pos}/{len} runs, {elapsed}: {msg}") };
     let report = converge::measure(&settings, &mut follow);
-    follow.bar.finish_and_clear();
+    follow.steps.finish();
     let report = report?;
     if !quiet {
         // If nobody reads the tables, the report is written all the same.
@@ -244,34 +245,14 @@ impl MeasureArgs {
     }
 }
 
-fn bar(quiet: bool) -> ProgressBar {
-    if quiet || !io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let bar = ProgressBar::new(1);
-    match ProgressStyle::with_template("{bar:30} {pos}/{len} runs, {elapsed}: {msg}") {
-        Ok(style) => bar.with_style(style),
-        Err(_) => bar,
-    }
-}
-
 struct Follow {
     folder: ReportDir,
-    bar: ProgressBar,
-    quiet: bool,
-    /// The last line on standard error.
-    told: String,
+    steps: Steps,
 }
 
 impl Watcher for Follow {
     fn step(&mut self, done: usize, total: usize, what: &str) {
-        self.bar.set_length(total as u64);
-        self.bar.set_position(done as u64);
-        self.bar.set_message(what.to_owned());
-        if !self.quiet && self.bar.is_hidden() && self.told != what {
-            say(&format!("{done} of {total} runs: {what}"));
-            self.told = what.into();
-        }
+        self.steps.step(done, total, what);
     }
 
     fn save(&mut self, report: &ConvergeReport) -> Result<(), ReportDirError> {

@@ -12,6 +12,7 @@ mod measure;
 mod open;
 mod render;
 mod stability;
+mod steps;
 mod values;
 
 use std::{

@@ -2,14 +2,13 @@
 
 use std::{
     env,
-    io::{self, IsTerminal, Write},
+    io::{self, Write},
     path::PathBuf,
 };
 
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
 
-use super::{CliError, ExitStatus, bench_ingest::command_line, say};
+use super::{CliError, ExitStatus, bench_ingest::command_line, say, steps::Steps};
 use crate::{
     measure::{
         ReportDir, ReportDirError,
@@ -86,9 +85,9 @@ pub fn run(args: StabilityArgs) -> Result<ExitStatus, CliError> {
         Some(Err(error)) => (None, error.to_string()),
     };
     let setup = Setup { gpu, size: Size::Full, swap: Swap::Nothing };
-    let mut follow = Follow { folder, bar: bar(args.quiet), quiet: args.quiet };
+    let mut follow = Follow { folder, steps: Steps::new(args.quiet, "{bar:30} {pos}/{len}, {elapsed}: {msg}") };
     let report = stability(&experiments, &setup, &device, &command_line(env::args_os()), &mut follow);
-    follow.bar.finish_and_clear();
+    follow.steps.finish();
     let report = report?;
     if !args.quiet {
         // If nobody reads the table, the report is written all the same.
@@ -125,31 +124,14 @@ fn list() -> ExitStatus {
     ExitStatus::Ok
 }
 
-fn bar(quiet: bool) -> ProgressBar {
-    if quiet || !io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let bar = ProgressBar::new(1);
-    match ProgressStyle::with_template("{bar:30} {pos}/{len}, {elapsed}: {msg}") {
-        Ok(style) => bar.with_style(style),
-        Err(_) => bar,
-    }
-}
-
 struct Follow {
     folder: Option<ReportDir>,
-    bar: ProgressBar,
-    quiet: bool,
+    steps: Steps,
 }
 
 impl Watcher for Follow {
     fn step(&mut self, done: usize, total: usize, what: &str) {
-        self.bar.set_length(total as u64);
-        self.bar.set_position(done as u64);
-        self.bar.set_message(what.to_owned());
-        if !self.quiet && self.bar.is_hidden() {
-            say(&format!("{done} of {total}: {what}"));
-        }
+        self.steps.step(done, total, what);
     }
 
     fn save(&mut self, report: &StabilityReport) -> Result<(), ReportDirError> {
@@ -170,7 +152,7 @@ mod tests {
     fn what_does_not_hold_ends_with_exit_code_4() {
         let status = |swap| {
             let setup = Setup { gpu: None, size: Size::Small, swap };
-            let mut follow = Follow { folder: None, bar: bar(true), quiet: true };
+            let mut follow = Follow { folder: None, steps: Steps::new(true, "{bar:30} {pos}/{len}, {elapsed}: {msg}") };
             let report = stability(&[by_name("slot-zero").unwrap()], &setup, "", "", &mut follow).unwrap();
             tell(&report) as u8
         };

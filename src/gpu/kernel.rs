@@ -146,7 +146,7 @@ pub fn uniform(device: &wgpu::Device, label: &str, size: u64) -> wgpu::Buffer {
 }
 
 /// Rows of at least so many workgroups, as `line_index` in `shaders/group.wgsl` numbers them.
-pub fn rows_of(groups: u32) -> [u32; 2] {
+fn rows_of(groups: u32) -> [u32; 2] {
     let rows = groups.div_ceil(MAX_GROUPS).max(1);
     [groups.div_ceil(rows), rows]
 }

@@ -3,8 +3,7 @@
 
 use firstlight::{
     render::{
-        Backend, BackendInfo, CpuBackend, FramePlan, FrameRequest, PassTimes, Picture, RenderError, Reprojection,
-        Shading, Sums,
+        Backend, BackendInfo, CpuBackend, FramePlan, FrameRequest, PassTimes, RenderError, Reprojection, Shading,
     },
     scene::PointBatch,
     store::Insertion,
@@ -133,26 +132,12 @@ struct Heedless {
 }
 
 impl Backend for Heedless {
+    crate::backends::as_the_processor!();
     fn info(&self) -> &BackendInfo {
         self.cpu.info()
     }
-    fn sums(&self) -> Sums {
-        self.cpu.sums()
-    }
-    fn reset(&mut self, points: u64) {
-        self.cpu.reset(points);
-    }
-    fn insertions_per_frame(&self) -> usize {
-        self.cpu.insertions_per_frame()
-    }
-    fn resize(&mut self, size: [u32; 2]) -> Result<(), RenderError> {
-        self.cpu.resize(size)
-    }
     fn insert(&mut self, insertion: &Insertion, points: &PointBatch) -> Result<(), RenderError> {
         self.cpu.insert(insertion, points)
-    }
-    fn set_relocation(&mut self, on: bool) {
-        self.cpu.set_relocation(on);
     }
     fn draw(&mut self, plan: &FramePlan) -> Result<(), RenderError> {
         let mut plan = plan.clone();
@@ -168,11 +153,5 @@ impl Backend for Heedless {
     }
     fn pass_times(&mut self) -> Option<PassTimes> {
         self.cpu.pass_times()
-    }
-    fn wait(&mut self) -> Result<(), RenderError> {
-        self.cpu.wait()
-    }
-    fn read(&mut self) -> Result<Picture, RenderError> {
-        self.cpu.read()
     }
 }

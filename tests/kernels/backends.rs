@@ -61,3 +61,31 @@ pub fn all() -> Vec<(String, Box<dyn Backend>)> {
     }
     all
 }
+
+/// What backends of the tests leave to the processor's, their member `cpu`, whatever else they do.
+macro_rules! as_the_processor {
+    () => {
+        fn sums(&self) -> firstlight::render::Sums {
+            self.cpu.sums()
+        }
+        fn reset(&mut self, points: u64) {
+            self.cpu.reset(points);
+        }
+        fn insertions_per_frame(&self) -> usize {
+            self.cpu.insertions_per_frame()
+        }
+        fn resize(&mut self, size: [u32; 2]) -> Result<(), firstlight::render::RenderError> {
+            self.cpu.resize(size)
+        }
+        fn set_relocation(&mut self, on: bool) {
+            self.cpu.set_relocation(on);
+        }
+        fn wait(&mut self) -> Result<(), firstlight::render::RenderError> {
+            self.cpu.wait()
+        }
+        fn read(&mut self) -> Result<firstlight::render::Picture, firstlight::render::RenderError> {
+            self.cpu.read()
+        }
+    };
+}
+pub(crate) use as_the_processor;

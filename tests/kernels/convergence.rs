@@ -8,7 +8,7 @@ use std::sync::Arc;
 use firstlight::{
     render::{
         Backend, BackendInfo, Camera, CpuBackend, FillBudget, FramePlan, FrameReport, FrameRequest, PassTimes, Picture,
-        Progressive, Raster, RenderError, Shading, StoreOptions, Sums,
+        Progressive, Raster, RenderError, Shading, StoreOptions,
     },
     scene::{PointBatch, SceneFacts},
     store::Insertion,
@@ -329,20 +329,9 @@ struct Small {
 }
 
 impl Backend for Small {
+    crate::backends::as_the_processor!();
     fn info(&self) -> &BackendInfo {
         self.cpu.info()
-    }
-    fn sums(&self) -> Sums {
-        self.cpu.sums()
-    }
-    fn reset(&mut self, points: u64) {
-        self.cpu.reset(points);
-    }
-    fn insertions_per_frame(&self) -> usize {
-        self.cpu.insertions_per_frame()
-    }
-    fn resize(&mut self, size: [u32; 2]) -> Result<(), RenderError> {
-        self.cpu.resize(size)
     }
     fn insert(&mut self, insertion: &Insertion, points: &PointBatch) -> Result<(), RenderError> {
         if insertion.old + insertion.new > self.limit {
@@ -350,20 +339,11 @@ impl Backend for Small {
         }
         self.cpu.insert(insertion, points)
     }
-    fn set_relocation(&mut self, on: bool) {
-        self.cpu.set_relocation(on);
-    }
     fn draw(&mut self, plan: &FramePlan) -> Result<(), RenderError> {
         self.cpu.draw(plan)
     }
     fn pass_times(&mut self) -> Option<PassTimes> {
         self.cpu.pass_times()
-    }
-    fn wait(&mut self) -> Result<(), RenderError> {
-        self.cpu.wait()
-    }
-    fn read(&mut self) -> Result<Picture, RenderError> {
-        self.cpu.read()
     }
 }
 

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use firstlight::{
     render::{
-        Backend, BackendInfo, Camera, CpuBackend, FillBudget, FramePlan, FrameRequest, PassTimes, Passes, Picture,
-        Progressive, Raster, RenderError, Sums,
+        Backend, BackendInfo, Camera, CpuBackend, FillBudget, FramePlan, FrameRequest, PassTimes, Passes, Progressive,
+        Raster, RenderError,
     },
     scene::PointBatch,
     store::Insertion,
@@ -27,26 +27,12 @@ struct Slow {
 }
 
 impl Backend for Slow {
+    crate::backends::as_the_processor!();
     fn info(&self) -> &BackendInfo {
         self.says.as_ref().unwrap_or(self.cpu.info())
     }
-    fn sums(&self) -> Sums {
-        self.cpu.sums()
-    }
-    fn reset(&mut self, points: u64) {
-        self.cpu.reset(points);
-    }
-    fn insertions_per_frame(&self) -> usize {
-        self.cpu.insertions_per_frame()
-    }
-    fn resize(&mut self, size: [u32; 2]) -> Result<(), RenderError> {
-        self.cpu.resize(size)
-    }
     fn insert(&mut self, insertion: &Insertion, points: &PointBatch) -> Result<(), RenderError> {
         self.cpu.insert(insertion, points)
-    }
-    fn set_relocation(&mut self, on: bool) {
-        self.cpu.set_relocation(on);
     }
     fn draw(&mut self, plan: &FramePlan) -> Result<(), RenderError> {
         self.passes.push(plan.passes());
@@ -60,12 +46,6 @@ impl Backend for Slow {
         let sums = (average, average_fill, average_points);
         let times = PassTimes { fill, resolve, fill_points, insertions, passes, ..Default::default() };
         Some(PassTimes { average: sums.0, average_fill: sums.1, average_points: sums.2, ..times })
-    }
-    fn wait(&mut self) -> Result<(), RenderError> {
-        self.cpu.wait()
-    }
-    fn read(&mut self) -> Result<Picture, RenderError> {
-        self.cpu.read()
     }
 }
 
