@@ -5,9 +5,11 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
+mod attribute;
 mod attributes;
 mod extra_bytes;
 
+pub use attribute::{Attribute, UnknownAttribute};
 pub use attributes::{Attributes, WAVE_PACKET_BYTES};
 pub use extra_bytes::{ExtraDimension, ExtraKind, Number};
 

@@ -1,5 +1,7 @@
 //! Which fields of a point record are wanted.
 
+use crate::scene::Attribute;
+
 /// Fields of a point record besides its position, which is always read. Layered LAZ (formats 6 and up)
 /// decodes the layers of these fields alone; everything else costs what it costs, wanted or not.
 ///
@@ -53,6 +55,43 @@ impl Fields {
 
     /// What the automatic colour rule looks at.
     pub const COLORS: Fields = Fields { rgb: true, intensity: true, ..Fields::NONE };
+}
+
+impl Fields {
+    /// What is read to know these attributes of all points.
+    pub fn of<'a>(attributes: impl IntoIterator<Item = &'a Attribute>) -> Fields {
+        attributes.into_iter().fold(Fields::NONE, |mut fields, attribute| {
+            match attribute {
+                Attribute::Intensity => fields.intensity = true,
+                Attribute::Classification => fields.classification = true,
+                Attribute::ReturnNumber | Attribute::NumberOfReturns => fields.returns = true,
+                Attribute::PointSource => fields.point_source = true,
+                Attribute::UserData => fields.user_data = true,
+                Attribute::ScanAngle => fields.scan_angle = true,
+                Attribute::GpsTime => fields.gps_time = true,
+                Attribute::Extra(_) => fields.extra_bytes = true,
+                Attribute::Elevation | Attribute::File => {}
+            }
+            fields
+        })
+    }
+
+    /// All fields that either has.
+    pub fn union(self, other: Fields) -> Fields {
+        Fields {
+            rgb: self.rgb || other.rgb,
+            nir: self.nir || other.nir,
+            intensity: self.intensity || other.intensity,
+            returns: self.returns || other.returns,
+            classification: self.classification || other.classification,
+            scan_angle: self.scan_angle || other.scan_angle,
+            user_data: self.user_data || other.user_data,
+            point_source: self.point_source || other.point_source,
+            gps_time: self.gps_time || other.gps_time,
+            wave_packet: self.wave_packet || other.wave_packet,
+            extra_bytes: self.extra_bytes || other.extra_bytes,
+        }
+    }
 }
 
 impl Default for Fields {
