@@ -132,10 +132,11 @@ pub fn moving_dot(run: &Run) -> Option<Dot> {
     Some((h.moving_frame_ms.or(h.moving_fill)?, h.moving_error?))
 }
 
-/// The same at rest: the area under the curve of 1 − SSIM until the picture has converged.
+/// The same at rest: the area under the curve of 1 − SSIM until the picture has converged. Where every motion's last
+/// frame was right nothing is drawn at rest, and that frame's time stands; points never stand among milliseconds.
 pub fn rest_dot(run: &Run) -> Option<Dot> {
     let h = &run.headline;
-    Some((h.rest_frame_ms.or(h.moving_fill)?, h.rest_error_secs.or(h.rest_error_frames)?))
+    Some((h.rest_frame_ms.or(h.moving_frame_ms).or(h.moving_fill)?, h.rest_error_secs.or(h.rest_error_frames)?))
 }
 
 /// Whether a run is of the settings that the viewer takes by itself.
@@ -304,6 +305,16 @@ mod tests {
         assert_eq!(rounds(20.0, 3), Some(false), "the other method has less of both");
         assert_eq!(rounds(9.0, 3), Some(true));
         assert_eq!(rounds(20.0, 2), None, "rounds of other methods are no rounds of the choice");
+    }
+
+    #[test]
+    fn a_dot_at_rest_is_timed_though_nothing_is_drawn_there() {
+        let dot = |timed| {
+            let frames = vec![frame(0, "orbit", 0.5, timed), frame(1, "orbit", 1.0, timed)];
+            rest_dot(&run(Variant::Firstlight, Fill::Auto, 2, frames))
+        };
+        assert_eq!(dot(true), Some((500.0, 0.0)), "milliseconds of the frames in motion, not their 50 points");
+        assert_eq!(dot(false), Some((50.0, 0.0)), "without a clock, points");
     }
 
     #[test]
