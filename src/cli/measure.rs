@@ -38,7 +38,8 @@ then the baselines at the first of them: what this program's method is judged ag
 
 --clock real times a run first, without comparisons, in frames at most sixty times a second; then its frames are drawn
 again, by their log, and compared. --clock virtual lets as many points arrive and be tried in every frame: the report
-is the same on every machine but for the adapter's name. The whole scan is held in memory, 24 bytes per point (twice
+is the same on every machine but for the adapter's name (and, on GPUs that round depths otherwise, the last digits of
+the depth errors). The whole scan is held in memory, 24 bytes per point (twice
 with the baseline `unshuffled`), besides the store. Settings are judged by their times from --repeat 3 on.
 
 CAMS.json is a list of cameras: [{\"eye\":[x,y,z],\"target\":[x,y,z],\"up\":[0,0,1],\"fov_y_deg\":60}, …].

@@ -32,7 +32,7 @@ processor runs a few threads at once, and they hardly wait for each other.
 
 REPORT_DIR gets stability.json (every sample), stability.csv (a line per sample) and index.html (tables, charts and
 pictures: failing, holding, truth). The report is written after every experiment, so that Ctrl-C keeps what is done.
-All experiments take about two minutes on two cores.
+All experiments take about half a minute on two cores.
 
 Exit codes:
   0  every failing method fails, and this program's choices hold

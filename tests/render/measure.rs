@@ -140,6 +140,7 @@ fn what_is_wrong_is_said_before_the_work() {
     bench.scan("a.las", Scene::Planes, 2000);
     bench.write("text.las", "no scan");
     bench.write("none.json", "[]");
+    bench.write("second.json", r#"[{"eye":[0,-9,1],"target":[0,0,0]},{"eye":[1,1,1],"target":[1,1,1]}]"#);
     bench.write("one.json", r#"{"eye":[0,0,1],"target":[0,0,0]}"#);
     fs::create_dir(bench.path("taken")).unwrap();
     bench.write("taken/other.txt", "mine");
@@ -158,6 +159,7 @@ fn what_is_wrong_is_said_before_the_work() {
         ("a.las -o out --path none.json", 2, "at least one camera"),
         ("a.las -o out --path one.json", 2, "expected [{"),
         ("a.las -o out --path missing.json", 2, "missing.json"),
+        ("a.las -o out --path second.json --backend cpu", 2, "eye and target"),
         ("a.las -o out --path one.json --motion orbit", 2, "cannot be used"),
         ("a.las --synth town:5 -o out", 2, "cannot be used"),
         ("text.las -o out --backend cpu", 3, "text.las"),
@@ -166,6 +168,7 @@ fn what_is_wrong_is_said_before_the_work() {
     ] {
         let run = bench.run(&format!("measure {args}")).expect(code);
         assert!(run.stderr.contains(says), "{args}: {}", run.stderr);
+        assert!(!run.stderr.contains("loading"), "{args}: before the first frame: {}", run.stderr);
     }
     let help = String::from_utf8(bench.run("measure --help").expect(0).stdout).unwrap();
     assert!((0..=6).all(|code| help.contains(&format!("\n  {code}  "))), "every exit code is listed");

@@ -34,7 +34,12 @@ pub fn checks(report: &ConvergeReport) -> Vec<Check> {
     ));
     checks.push(told(
         "frames at rest end with the picture of all points, record for record",
-        of(Variant::Firstlight).flat_map(last_of_rests).filter_map(|frame| frame.received.right_share).reduce(f64::min),
+        // A rest that is cut off, after 5,000 frames, has not tried all points, and tells nothing.
+        of(Variant::Firstlight)
+            .flat_map(last_of_rests)
+            .filter(|frame| frame.points_tried == frame.points_stored)
+            .filter_map(|frame| frame.received.right_share)
+            .reduce(f64::min),
         |share| share == 1.0,
         |share| format!("{:.4} % of the pixels are right where it is worst", 100.0 * share),
     ));
@@ -127,15 +132,19 @@ pub fn moving_dot(run: &Run) -> Option<Dot> {
     Some((h.moving_frame_ms.or(h.moving_fill)?, h.moving_error?))
 }
 
-/// The same at rest: the area under the curve of 1 − SSIM until the picture has converged.
+/// The same at rest: the area under the curve of 1 − SSIM until the picture has converged. Where every motion's last
+/// frame was right nothing is drawn at rest, and that frame's time stands; points never stand among milliseconds.
 pub fn rest_dot(run: &Run) -> Option<Dot> {
     let h = &run.headline;
-    Some((h.rest_frame_ms.or(h.moving_fill)?, h.rest_error_secs.or(h.rest_error_frames)?))
+    Some((h.rest_frame_ms.or(h.moving_frame_ms).or(h.moving_fill)?, h.rest_error_secs.or(h.rest_error_frames)?))
 }
 
 /// Whether a run is of the settings that the viewer takes by itself.
 pub fn is_viewers_choice(run: &Run) -> bool {
-    run.variant == Variant::Firstlight && run.fill == Fill::Auto && run.point_size_px == VIEWER_POINT_SIZE
+    run.variant == Variant::Firstlight
+        && run.fill == Fill::Auto
+        && run.point_size_px == VIEWER_POINT_SIZE
+        && run.is_viewers_method
 }
 
 /// The medians of a setting's rounds.
@@ -181,7 +190,7 @@ mod tests {
 
     fn run(variant: Variant, fill: Fill, point_size_px: u32, frames: Vec<Frame>) -> Run {
         let headline = Headline::of(&frames);
-        Run { variant, fill, point_size_px, method: None, round: 1, headline, frames }
+        Run { variant, fill, point_size_px, method: None, is_viewers_method: true, round: 1, headline, frames }
     }
 
     /// A frame of which a sample of 100 of 1000 points should cover 0.5 ± 0.01.
@@ -232,15 +241,17 @@ mod tests {
 
     #[test]
     fn a_rest_must_end_right() {
-        let of = |last| {
+        let of = |last, stored| {
             let frames = vec![
                 frame(0, "still", 1.0, false),
                 frame(1, "orbit", 0.4, false),
-                frame(2, "after orbit", last, false),
+                Frame { points_stored: stored, ..frame(2, "after orbit", last, false) },
             ];
+            let frames = frames.into_iter().map(|frame| Frame { points_tried: 200, ..frame }).collect();
             verdicts(vec![run(Variant::Firstlight, Fill::Auto, 2, frames)], Clock::Virtual)[1]
         };
-        assert_eq!([1.0, 0.9999].map(of), [Some(true), Some(false)]);
+        assert_eq!([1.0, 0.9999].map(|last| of(last, 200)), [Some(true), Some(false)]);
+        assert_eq!(of(0.4, 201), None, "cut off before all points were tried");
     }
 
     #[test]
@@ -277,6 +288,33 @@ mod tests {
         assert_eq!(of(10.0, 0.4), Some(true), "quicker, and worse");
         assert_eq!(of(15.0, 0.55), Some(true), "next to it");
         assert_eq!(of(10.0, 0.7), Some(false));
+    }
+
+    #[test]
+    fn of_several_methods_only_the_viewers_own_is_its_choice() {
+        let timed = |ms: f64, share: f64, is_viewers_method: bool| {
+            let mut frame = frame(0, "orbit", share, true);
+            frame.times.as_mut().unwrap().frame_secs = ms * 1e-3;
+            let method = Some(if is_viewers_method { "reduce" } else { "early-z" }.to_owned());
+            Run { method, is_viewers_method, ..run(Variant::Firstlight, Fill::Auto, 2, vec![frame]) }
+        };
+        let rounds = |viewers_ms: f64, rounds: u32| {
+            let round = |round| [timed(10.0, 0.7, false), timed(viewers_ms, 0.5, true)].map(|run| Run { round, ..run });
+            verdicts((1..=rounds).flat_map(round).collect(), Clock::Real)[3]
+        };
+        assert_eq!(rounds(20.0, 3), Some(false), "the other method has less of both");
+        assert_eq!(rounds(9.0, 3), Some(true));
+        assert_eq!(rounds(20.0, 2), None, "rounds of other methods are no rounds of the choice");
+    }
+
+    #[test]
+    fn a_dot_at_rest_is_timed_though_nothing_is_drawn_there() {
+        let dot = |timed| {
+            let frames = vec![frame(0, "orbit", 0.5, timed), frame(1, "orbit", 1.0, timed)];
+            rest_dot(&run(Variant::Firstlight, Fill::Auto, 2, frames))
+        };
+        assert_eq!(dot(true), Some((500.0, 0.0)), "milliseconds of the frames in motion, not their 50 points");
+        assert_eq!(dot(false), Some((50.0, 0.0)), "without a clock, points");
     }
 
     #[test]

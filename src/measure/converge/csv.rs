@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use super::{metrics::Metrics, report::ConvergeReport};
+use super::{metrics::Metrics, report::ConvergeReport, settings::Fill};
 
 /// Columns before the metrics. Empty: does not apply.
 const COLUMNS: &str = "variant,fill,point_size_px,method,round,phase,frame,start_secs,frame_secs,points_stored,\
@@ -34,7 +34,12 @@ pub fn write_csv(out: &mut dyn Write, report: &ConvergeReport) -> io::Result<()>
     let number = |value: Option<f64>| value.map_or_else(String::new, |v| v.to_string());
     for run in &report.runs {
         let method = run.method.as_deref().unwrap_or("");
-        let head = format!("{},{},{},{method},{}", run.variant.name(), run.fill, run.point_size_px, run.round);
+        // A number, where words say 10k.
+        let fill = match run.fill {
+            Fill::Auto => "auto".to_owned(),
+            Fill::Points(points) => points.to_string(),
+        };
+        let head = format!("{},{fill},{},{method},{}", run.variant.name(), run.point_size_px, run.round);
         for f in &run.frames {
             let mut cells = vec![head.clone(), f.phase.clone(), f.frame.to_string()];
             cells.push(number(f.times.map(|times| times.start_secs)));
@@ -83,7 +88,7 @@ mod tests {
     use crate::measure::converge::{
         headline::tests::frame,
         report::{Headline, Run},
-        settings::{Fill, Variant},
+        settings::Variant,
         theory::Expected,
     };
 
@@ -107,6 +112,7 @@ mod tests {
             fill: Fill::Points(2000),
             point_size_px: 2,
             method: None,
+            is_viewers_method: true,
             round: 1,
             headline: Headline::of(&frames),
             frames,
@@ -119,7 +125,7 @@ mod tests {
         assert_eq!(lines.len(), 3);
         assert!(lines.iter().all(|line| line.len() == lines[0].len()), "{text}");
         let cell = |line: usize, column: &str| lines[line][lines[0].iter().position(|c| *c == column).unwrap()];
-        assert_eq!((cell(1, "fill"), cell(1, "start_secs"), cell(1, "expected_sample")), ("2k", "", ""));
+        assert_eq!((cell(1, "fill"), cell(1, "start_secs"), cell(1, "expected_sample")), ("2000", "", ""));
         assert_eq!((cell(2, "start_secs"), cell(2, "expected_right_share")), ("1", "0.75"));
         assert_eq!((cell(1, "file_right_share"), cell(2, "received_ssim")), ("0.5", "1"));
     }

@@ -32,10 +32,12 @@ impl Headline {
         let areas: Vec<(f64, Option<f64>)> = (stops.iter())
             .map(|stop| area(&stop.iter().map(|f| (image_error(f).unwrap_or(0.0), f.times)).collect::<Vec<_>>()))
             .collect();
-        let back = |stop: &&[Frame]| stop.iter().position(|frame| frame.converged).map(|at| at as u32);
+        // Without reprojection all points are tried and the picture is still that of the last few.
+        let is_back = |frame: &Frame| frame.converged && frame.received.right_share.is_none_or(|share| share == 1.0);
+        let back = |stop: &&[Frame]| stop.iter().position(is_back).map(|at| at as u32);
         let back_secs = |stop: &&[Frame]| {
             let end = |frame: &Frame| Some(frame.times?.end_secs());
-            Some(end(stop.iter().find(|frame| frame.converged)?)? - end(stop.first()?)?)
+            Some(end(stop.iter().find(|frame| is_back(frame))?)? - end(stop.first()?)?)
         };
         let times = |is: &dyn Fn(&str) -> bool, share: f64| {
             let ms: Vec<f64> =
@@ -182,6 +184,9 @@ pub mod tests {
         let never = [frame(0, "loading", 0.3, true), frame(1, "orbit", 0.4, true), frame(2, "after orbit", 0.4, true)];
         let h = Headline::of(&never);
         assert_eq!((h.right_50, h.rest_frames, h.moving_error), (None, None, Some(0.6)));
+        let wrong = [frame(0, "orbit", 0.4, true), Frame { converged: true, ..frame(1, "after orbit", 0.4, true) }];
+        let h = Headline::of(&wrong);
+        assert_eq!((h.rest_frames, h.rest_secs), (None, None), "all points were tried, and the picture is not theirs");
         let nothing = Headline::of(&[]);
         assert_eq!((nothing.first_picture, nothing.error_secs, nothing.rest_error_frames), (None, None, None));
     }

@@ -213,6 +213,7 @@ mod tests {
             fill: Fill::Points(fill),
             point_size_px: 2,
             method: None,
+            is_viewers_method: true,
             round: 1,
             headline: Headline::of(&frames),
             frames: frames.clone(),

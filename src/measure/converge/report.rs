@@ -60,6 +60,8 @@ pub struct Run {
     /// Which method, where several are compared.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub method: Option<String>,
+    /// It is the method that the viewer takes by itself, or the only one: the others of a list are not its choice.
+    pub is_viewers_method: bool,
     /// Counted from 1.
     pub round: u32,
     pub headline: Headline,
@@ -143,7 +145,7 @@ pub struct Headline {
     /// Points that a frame's fill tries in motion, mean.
     pub moving_fill: Option<f64>,
     /// From the last frame of each motion: the areas under the curve of 1 − SSIM until the picture has converged, added
-    /// up, in frames and in seconds, and the longest way back to the converged picture.
+    /// up, in frames and in seconds, and the longest way back to the picture of all points; null if one never came back.
     pub rest_error_frames: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rest_error_secs: Option<f64>,

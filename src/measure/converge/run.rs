@@ -70,8 +70,28 @@ pub fn measure(measure: &Measure, watcher: &mut dyn Watcher) -> Result<ConvergeR
         RasterChoice::Auto => Setting { method: chosen, ..*setting },
         RasterChoice::Fixed(_) => *setting,
     };
-    let settings: Vec<Setting> = settings.iter().map(settle).collect();
+    let viewers_method = match (asks_auto, &measure.methods[..]) {
+        (true, _) => Some(chosen),
+        (false, [only]) => Some(*only),
+        (false, _) => None,
+    };
+    // A method that is both named and chosen is run once.
+    let mut settled: Vec<Setting> = Vec::new();
+    for setting in settings.iter().map(settle) {
+        if !settled.contains(&setting) {
+            settled.push(setting);
+        }
+    }
+    let settings = settled;
     let phases = phases(camera, &measure.motions);
+    // Before hours of work, not after.
+    for motion in &measure.motions {
+        if let Motion::Path(cameras) = motion {
+            for camera in cameras {
+                camera.view(&scan.facts.grid, measure.size, first.point_size)?;
+            }
+        }
+    }
     let mut report = empty(measure, &scan, &info, camera, &phases);
     let total = settings.len() * measure.repeat as usize;
     for round in 1..=measure.repeat {
@@ -88,6 +108,7 @@ pub fn measure(measure: &Measure, watcher: &mut dyn Watcher) -> Result<ConvergeR
                     RasterChoice::Fixed(candidate) if measure.methods.len() > 1 => Some(candidate.to_string()),
                     _ => None,
                 },
+                is_viewers_method: viewers_method == Some(setting.method),
                 round,
                 headline: Headline::default(),
                 frames: Vec::new(),
