@@ -98,8 +98,13 @@ impl BudgetController {
                     self.in_motion.note(times.passes, secs, target_secs);
                 }
                 self.insertions = (self.insertions / 2).max(MIN_INSERTIONS);
-            } else if secs < SHORT_ENOUGH * target_secs && times.insertions as usize >= self.insertions {
-                self.insertions += 1;
+            } else if times.insertions as usize >= self.insertions {
+                // Twice as many take at most twice as long.
+                if secs < 0.5 * SHORT_ENOUGH * target_secs {
+                    self.insertions *= 2;
+                } else if secs < SHORT_ENOUGH * target_secs {
+                    self.insertions += 1;
+                }
             }
         }
         let before = self.target_points(times.passes);

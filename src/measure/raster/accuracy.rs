@@ -271,6 +271,11 @@ mod tests {
         }
         let psnr = Accuracy::of(&drawn, &right, false).psnr_db.unwrap();
         assert!((psnr - 10.0 * (255.0 * 255.0 / 25.0_f64).log10()).abs() < 1e-9, "{psnr}");
+        let mut noisy = picture();
+        noisy.rgba.iter_mut().zip(0..).for_each(|(p, i)| p[1] = p[1].wrapping_add((i * 97 % 101) as u8));
+        let psnr = Accuracy::of(&noisy, &right, false).psnr_db.unwrap();
+        // scikit-image 0.26, peak_signal_noise_ratio(…, data_range=255) of the covered pixels' three channels.
+        assert!((psnr - 17.220_770_628_115_616).abs() < 1e-12, "{psnr}");
     }
 
     /// Window by window, with means and covariances as the paper writes them.

@@ -8,7 +8,7 @@ use super::{
     scenes::{Scene, differing, noise, ratio, request, share},
 };
 use crate::{
-    render::{Camera, CpuBackend, StoreOptions},
+    render::{Camera, CpuBackend, INSERTION_POINTS, StoreOptions},
     scene::Grid,
 };
 
@@ -197,12 +197,15 @@ pub fn origin_shift(setup: &Setup) -> Result<Outcome, StabilityError> {
     let integers = || {
         let view = scene.view(&camera(0), size, 1)?;
         let mut progressive = scene.load(CpuBackend::new(None), StoreOptions::default(), &view)?;
+        let loaded = progressive.insertions();
         let mut shown = Vec::new();
         for frame in 0..frames {
             progressive.frame(&request(scene.view(&camera(frame), size, 1)?, points))?;
             shown.push(progressive.read()?.records);
         }
-        Ok::<_, StabilityError>((shown, 0))
+        // The only way into the store.
+        let uploads = (progressive.insertions() - loaded) * u64::from(INSERTION_POINTS);
+        Ok::<_, StabilityError>((shown, uploads))
     };
     let wrong = |shown: &[Vec<i64>]| -> Vec<f64> {
         let of_frame = |(frame, shown): (u32, &Vec<i64>)| {
