@@ -8,6 +8,7 @@ mod bench_frames;
 mod bench_ingest;
 mod exit;
 mod info;
+mod look;
 mod measure;
 mod open;
 mod render;

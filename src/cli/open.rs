@@ -10,12 +10,13 @@ use clap::Args;
 
 use super::{
     CliError, ExitStatus,
+    look::LookArgs,
     render::{progress_style, tell},
     say, values,
 };
 use crate::{
     headless::{self, BackendChoice, Destination, HeadlessError, Outputs, Settings, Stop},
-    render::{INSERTION_POINTS, RasterChoice, Shading},
+    render::{INSERTION_POINTS, RasterChoice},
     view::{self, ViewError},
 };
 
@@ -29,9 +30,6 @@ pub struct OpenArgs {
     /// size; auto measures which is the fastest
     #[arg(long, value_name = "auto|NAME", default_value = "auto", value_parser = values::parse_method)]
     method: RasterChoice,
-    /// Width of a point, pixels, 1 to 8
-    #[arg(long, value_name = "PX", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=8))]
-    point_size: u32,
     /// Fixes the order of the points in the store
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
@@ -41,7 +39,12 @@ pub struct OpenArgs {
     /// Decoder threads; by default one per core, less one
     #[arg(long, value_name = "N", value_parser = values::parse_threads)]
     threads: Option<usize>,
+    #[command(flatten)]
+    look: LookArgs,
 }
+
+/// Width of a point in the window, pixels: at one, near surfaces have holes in motion.
+const WINDOW_POINT_SIZE: u32 = 2;
 
 pub fn run(args: OpenArgs, started: Instant) -> Result<ExitStatus, CliError> {
     if !view::has_display() {
@@ -50,7 +53,7 @@ pub fn run(args: OpenArgs, started: Instant) -> Result<ExitStatus, CliError> {
     let options = view::Options {
         inputs: args.inputs.clone(),
         method: args.method,
-        point_size: args.point_size,
+        look: args.look.look(WINDOW_POINT_SIZE),
         seed: args.seed,
         fill: args.fill,
         threads: args.threads,
@@ -84,8 +87,7 @@ fn picture_instead(args: OpenArgs, started: Instant, why: &str) -> Result<ExitSt
         backend: BackendChoice::Auto,
         method: args.method,
         fill: args.fill,
-        point_size: args.point_size,
-        shading: Shading::default(),
+        look: args.look.look(WINDOW_POINT_SIZE),
         seed: args.seed,
         insertion_points: INSERTION_POINTS,
         stop: Stop::Converged,

@@ -9,10 +9,10 @@ use std::{
 
 use clap::{Args, ValueEnum};
 
-use super::{CliError, ExitStatus, say, values};
+use super::{CliError, ExitStatus, look::LookArgs, say, values};
 use crate::{
     headless::{self, BackendChoice, Destination, HeadlessError, Outputs, ProgressStyle, Report, Settings, Stop},
-    render::{Camera, INSERTION_POINTS, RasterChoice, Shading},
+    render::{Camera, INSERTION_POINTS, Look, RasterChoice},
     source,
 };
 
@@ -42,9 +42,6 @@ pub struct RenderArgs {
     /// points=N
     #[arg(long, value_name = "N", value_parser = values::parse_points)]
     fill: Option<u32>,
-    /// Width of a point, pixels, 1 to 8
-    #[arg(long, value_name = "PX", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=8))]
-    point_size: u32,
     /// Fixes the order of the points in the store, and with it every frame
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
@@ -64,12 +61,8 @@ pub struct RenderArgs {
     /// Write what was read, drawn and measured (`-`: standard output)
     #[arg(long, value_name = "REPORT.json")]
     json: Option<PathBuf>,
-    /// Strength of eye-dome lighting; 0 turns it off
-    #[arg(long, value_name = "STRENGTH", default_value_t = Shading::default().edl_strength, value_parser = values::parse_strength, allow_negative_numbers = true)]
-    edl: f32,
-    /// High-quality shading: each pixel shows the mean colour of all points within 1 % behind its nearest
-    #[arg(long)]
-    hq: bool,
+    #[command(flatten)]
+    look: LookArgs,
     /// Decoder threads; by default one per core, less one
     #[arg(long, value_name = "N", value_parser = values::parse_threads)]
     threads: Option<usize>,
@@ -187,8 +180,7 @@ impl RenderArgs {
             backend,
             method: self.method,
             fill: self.fill,
-            point_size: self.point_size,
-            shading: Shading { edl_strength: self.edl, high_quality: self.hq, ..Default::default() },
+            look: self.look.look(Look::default().point_size),
             seed: self.seed,
             insertion_points: self.insertion_points,
             stop: self.stop,

@@ -123,9 +123,8 @@ impl Run<'_> {
     fn draw_to_the_end(&mut self, stream: Stream) -> Result<FrameReport, HeadlessError> {
         loop {
             self.take_events(&stream)?;
-            let Some(request) = self.request else { continue };
-            let final_request = request;
-            let request = self.without_early_averages(request);
+            let Some(final_request) = self.request.clone() else { continue };
+            let request = self.without_early_averages(final_request.clone());
             let frame = match self.progressive.frame(&request) {
                 Err(error @ RenderError::OutOfMemory { .. }) if !self.out_of_memory => {
                     self.out_of_memory = true;
@@ -194,11 +193,11 @@ impl Run<'_> {
 
     /// Fixes the camera, once.
     fn aim(&mut self, first: Option<&PointBatch>) -> Result<(), HeadlessError> {
-        let (None, Some(facts)) = (self.request, &self.facts) else { return Ok(()) };
+        let (None, Some(facts)) = (&self.request, &self.facts) else { return Ok(()) };
         let settings = self.settings;
         let camera = settings.camera.unwrap_or_else(|| default_camera(facts, first, settings.size));
-        let view = camera.view(&facts.grid, settings.size, settings.point_size)?;
-        self.request = Some(FrameRequest { view, fill: settings.fill_budget(), shading: settings.shading });
+        let view = camera.view(&facts.grid, settings.size, settings.look.point_size)?;
+        self.request = Some(FrameRequest { view, fill: settings.fill_budget(), shading: settings.look.shading });
         self.report.camera = Some(camera);
         Ok(())
     }
@@ -229,7 +228,7 @@ impl Run<'_> {
         match self.settings.stop {
             _ if self.settings.brute_force => loaded,
             Stop::Frames(frames) if self.report.frames >= frames => true,
-            _ => loaded && frame.is_converged() && frame.high_quality == self.settings.shading.high_quality,
+            _ => loaded && frame.is_converged() && frame.high_quality == self.settings.look.shading.high_quality,
         }
     }
 

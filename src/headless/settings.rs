@@ -3,7 +3,7 @@
 use std::{path::PathBuf, time::Instant};
 
 use super::{outputs::Outputs, progress::ProgressStyle};
-use crate::render::{Camera, FillBudget, RasterChoice, Shading, StoreOptions};
+use crate::render::{Camera, FillBudget, Look, RasterChoice, StoreOptions};
 
 /// Points that a frame's fill tries on the way to the converged picture. Nobody watches, so frames may
 /// be long, and the fewer, the less is spent on what each costs anyway: a budget that follows a frame
@@ -60,9 +60,7 @@ pub struct Settings {
     pub method: RasterChoice,
     /// Points that each frame's fill tries; by default [`CONVERGE_FILL`] or [`COUNTED_FILL`].
     pub fill: Option<u32>,
-    /// Width of a point, pixels.
-    pub point_size: u32,
-    pub shading: Shading,
+    pub look: Look,
     pub seed: u64,
     /// Points per insertion into the store.
     pub insertion_points: u32,

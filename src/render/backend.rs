@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::{camera::View, choice::Choice, color::FileColor};
 use crate::{
@@ -99,7 +99,8 @@ impl std::fmt::Display for Sums {
 }
 
 /// How visible points become a picture.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Shading {
     /// Strength of eye-dome lighting (Boucheny 2009); 0 turns it off.
     pub edl_strength: f32,

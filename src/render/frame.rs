@@ -47,7 +47,7 @@ pub enum Reprojection {
 }
 
 /// What a frame is to show.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct FrameRequest {
     pub view: View,
     pub fill: FillBudget,

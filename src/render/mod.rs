@@ -19,6 +19,7 @@ mod cpu;
 mod frame;
 mod gpu;
 mod in_motion;
+mod look;
 mod progressive;
 mod shading;
 
@@ -33,5 +34,6 @@ pub use color::{FileColor, elevation_ramp};
 pub use cpu::{CpuBackend, list_visible};
 pub use frame::{FrameReport, FrameRequest, INSERTION_POINTS, Reprojection, StoreOptions};
 pub use gpu::{GpuBackend, ShadingUniform};
+pub use look::Look;
 pub use progressive::Progressive;
 pub use shading::{AVERAGED_DEPTH, EDL_GAIN, MOST_FRAGMENTS};

@@ -67,7 +67,12 @@ impl App {
         let software = state.adapter.get_info().device_type == wgpu::DeviceType::Cpu;
         ctx.set_theme(egui::Theme::Dark);
         let store = StoreOptions { seed: options.seed, ..Default::default() };
-        let point_size = options.point_size.clamp(*overlay::POINT_SIZES.start(), *overlay::POINT_SIZES.end());
+        let mut look = options.look.clone();
+        // Switched off, it comes back with the usual strength.
+        let edl = look.shading.edl_strength > 0.0;
+        if !edl {
+            look.shading.edl_strength = Shading::default().edl_strength;
+        }
         let mut app = App {
             ctx: ctx.clone(),
             progressive: Progressive::new(backend, store),
@@ -78,7 +83,7 @@ impl App {
             navigation: None,
             hand: Hand::default(),
             probe: Probe::new(&state.device, &state.queue),
-            settings: Settings { point_size, edl: true, high_quality: false, overlay: true, help: false },
+            settings: Settings { look, edl, overlay: true, help: false },
             messages: Messages::default(),
             size: [0, 0],
             undrawable: None,
@@ -154,7 +159,7 @@ impl App {
         if let Some(navigation) = &self.navigation
             && self.size[0] > 0
             && self.size[1] > 0
-            && self.undrawable != Some((self.size, self.settings.high_quality))
+            && self.undrawable != Some((self.size, self.settings.look.shading.high_quality))
         {
             match draw(&mut self.progressive, navigation, self.size, &self.settings, fill) {
                 Ok(report) => {
@@ -166,7 +171,7 @@ impl App {
                     // What is stored is still there to be shown.
                     again |= matches!(error, RenderError::OutOfMemory { .. });
                     if !again {
-                        self.undrawable = Some((self.size, self.settings.high_quality));
+                        self.undrawable = Some((self.size, self.settings.look.shading.high_quality));
                     }
                     self.messages.add(Severity::Error, sentence(&error.to_string()));
                 }
@@ -220,7 +225,7 @@ impl App {
 
     fn averages(&self) -> Averages {
         let points = self.last_report.map_or(0, |report| report.points_averaged);
-        match (self.settings.high_quality, self.progressive.averages_in_motion(self.fill_budget())) {
+        match (self.settings.look.shading.high_quality, self.progressive.averages_in_motion(self.fill_budget())) {
             (false, _) => Averages::Off,
             (true, true) => Averages::On(points),
             (true, false) => Averages::AtRest(points),
@@ -340,7 +345,7 @@ impl eframe::App for App {
         self.feel(&ctx, &picture);
 
         // Last, so that the numbers are those of the picture; what it changes is for the next frame.
-        let before = self.settings;
+        let before = self.settings.clone();
         if let Some(ask) = self.show_overlay(ui) {
             self.show_view(ask);
             again = true;
@@ -375,11 +380,11 @@ fn draw(
     settings: &Settings,
     fill: FillBudget,
 ) -> Result<FrameReport, RenderError> {
-    let mut shading = Shading { high_quality: settings.high_quality, ..Default::default() };
+    let mut shading = settings.look.shading;
     if !settings.edl {
         shading.edl_strength = 0.0;
     }
-    match navigation.camera().view(navigation.grid(), size, settings.point_size) {
+    match navigation.camera().view(navigation.grid(), size, settings.look.point_size) {
         Ok(view) => progressive.frame(&FrameRequest { view, fill, shading }),
         // Navigation keeps its camera usable; if it ever fails to, the last picture stays.
         Err(error) => {

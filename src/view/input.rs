@@ -115,13 +115,13 @@ pub fn keys(ctx: &Context, settings: &mut Settings) -> Option<Ask> {
         }
         let pressed = |keys: &[Key]| keys.iter().any(|&key| i.key_pressed(key));
         if pressed(&[Key::OpenBracket, Key::Minus]) {
-            settings.point_size = (settings.point_size - 1).max(*POINT_SIZES.start());
+            settings.look.point_size = (settings.look.point_size - 1).max(*POINT_SIZES.start());
         }
         if pressed(&[Key::CloseBracket, Key::Equals, Key::Plus]) {
-            settings.point_size = (settings.point_size + 1).min(*POINT_SIZES.end());
+            settings.look.point_size = (settings.look.point_size + 1).min(*POINT_SIZES.end());
         }
         settings.edl ^= pressed(&[Key::L]);
-        settings.high_quality ^= pressed(&[Key::B]);
+        settings.look.shading.high_quality ^= pressed(&[Key::B]);
         settings.overlay ^= pressed(&[Key::O]);
         settings.help ^= pressed(&[Key::F1, Key::Questionmark]);
         if pressed(&[Key::Escape]) {

@@ -18,7 +18,7 @@ use std::{path::PathBuf, sync::Arc};
 
 use eframe::egui_wgpu::{SurfaceConfig, WgpuConfiguration, WgpuError, WgpuSetup, WgpuSetupCreateNew};
 
-use crate::render::{GpuBackend, RasterChoice, RenderError};
+use crate::render::{GpuBackend, Look, RasterChoice, RenderError};
 
 /// What to show, and how.
 #[derive(Debug, Clone, Default)]
@@ -26,8 +26,7 @@ pub struct Options {
     /// Files and folders; none: an empty window that waits for a drop.
     pub inputs: Vec<PathBuf>,
     pub method: RasterChoice,
-    /// Width of a point, 1 to 8 pixels.
-    pub point_size: u32,
+    pub look: Look,
     pub seed: u64,
     /// Points to try per frame; by default as many as the frame time allows.
     pub fill: Option<u32>,

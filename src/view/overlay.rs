@@ -6,7 +6,7 @@ use eframe::egui::{
 };
 
 use super::format::{count, duration, percent};
-use crate::render::{Choice, Clock};
+use crate::render::{Choice, Clock, Look};
 
 /// Sizes of points that the controls offer.
 pub const POINT_SIZES: std::ops::RangeInclusive<u32> = 1..=8;
@@ -60,11 +60,11 @@ pub enum Averages {
 }
 
 /// What the user sets.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
-    pub point_size: u32,
+    pub look: Look,
+    /// Off: the strength of `look` waits.
     pub edl: bool,
-    pub high_quality: bool,
     pub overlay: bool,
     pub help: bool,
 }
@@ -227,11 +227,12 @@ fn controls(ui: &mut Ui, settings: &mut Settings) -> Option<Ask> {
             asked = Some(ask);
         }
     }
-    ui.checkbox(&mut settings.high_quality, small("HQ"))
+    ui.checkbox(&mut settings.look.shading.high_quality, small("HQ"))
         .on_hover_text("High quality: mean colour of all points within 1 % of the nearest (B)");
     ui.checkbox(&mut settings.edl, small("shading")).on_hover_text("Eye-dome lighting (L)");
     ui.spacing_mut().slider_width = 64.0;
-    ui.add(Slider::new(&mut settings.point_size, POINT_SIZES).suffix(" px")).on_hover_text("Size of points ([ and ])");
+    ui.add(Slider::new(&mut settings.look.point_size, POINT_SIZES).suffix(" px"))
+        .on_hover_text("Size of points ([ and ])");
     asked
 }
 

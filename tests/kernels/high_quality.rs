@@ -207,12 +207,12 @@ fn a_still_camera_converges_to_the_averages_of_all_points() {
             session.offer(&cloud, 0..cloud.len(), 5000);
             session.progressive.end_of_input();
             let case = format!("size {point_size}, insertions of {insertion_points}");
-            let average = session.assert_exact(&high(plain), &case);
+            let average = session.assert_exact(&high(plain.clone()), &case);
             // Switched off and on again, at rest.
             let front = session.assert_exact(&plain, &case);
             assert!(difference(&front, &average).is_some(), "{}, {case}: averages change nothing", session.name);
             assert_eq!((front.records, front.depth), (average.records.clone(), average.depth.clone()));
-            let again = session.assert_exact(&high(plain), &case);
+            let again = session.assert_exact(&high(plain.clone()), &case);
             assert_eq!(difference(&again, &average), None, "{}, {case}", session.name);
         }
     }

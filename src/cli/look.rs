@@ -1,0 +1,30 @@
+//! The options of how a scene is shown, the same for the window and for `render`.
+
+use clap::Args;
+
+use super::values;
+use crate::render::{Look, Shading};
+
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "How it looks")]
+pub struct LookArgs {
+    /// Width of a point, pixels, 1 to 8; by default 1 in a picture and 2 in the window
+    #[arg(long, value_name = "PX", value_parser = clap::value_parser!(u32).range(1..=8))]
+    point_size: Option<u32>,
+    /// Strength of eye-dome lighting; 0 turns it off
+    #[arg(long, value_name = "STRENGTH", default_value_t = Shading::default().edl_strength, value_parser = values::parse_strength, allow_negative_numbers = true)]
+    edl: f32,
+    /// High-quality shading: each pixel shows the mean colour of all points within 1 % behind its nearest
+    #[arg(long)]
+    hq: bool,
+}
+
+impl LookArgs {
+    /// `point_size` is for where none is given.
+    pub fn look(&self, point_size: u32) -> Look {
+        Look {
+            point_size: self.point_size.unwrap_or(point_size),
+            shading: Shading { edl_strength: self.edl, high_quality: self.hq, ..Default::default() },
+        }
+    }
+}

@@ -1,0 +1,21 @@
+//! How a scene is shown.
+
+use serde::{Deserialize, Serialize};
+
+use super::backend::Shading;
+
+/// How a scene is shown: what the window's controls set, and the options of `render` of the same names. The camera
+/// and the size of the picture are not part of it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Look {
+    /// Width of a point, pixels, 1 to 8.
+    pub point_size: u32,
+    pub shading: Shading,
+}
+
+impl Default for Look {
+    fn default() -> Self {
+        Look { point_size: 1, shading: Shading::default() }
+    }
+}
