@@ -380,6 +380,7 @@ fn draw(
     settings: &Settings,
     fill: FillBudget,
 ) -> Result<FrameReport, RenderError> {
+    progressive.set_coloring(&settings.look.coloring);
     let mut shading = settings.look.shading;
     if !settings.edl {
         shading.edl_strength = 0.0;
