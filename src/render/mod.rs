@@ -18,6 +18,7 @@ mod color;
 mod coloring;
 mod column;
 mod cpu;
+mod filter;
 mod frame;
 mod gpu;
 mod histogram;
@@ -44,6 +45,9 @@ pub use coloring::{
 };
 pub use column::{ColumnColors, ColumnId, Keys, Lookup};
 pub use cpu::{CpuBackend, list_visible};
+pub use filter::{
+    Clause, ClauseError, Clip, ClipBox, ClipError, Filter, Key, MaskRules, RULE_WORDS, Slab, Test, Values, ValuesError,
+};
 pub use frame::{FrameReport, FrameRequest, INSERTION_POINTS, Reprojection, StoreOptions};
 pub use gpu::{ColorTablesUniform, ColumnScaleUniform, GpuBackend, ShadingUniform};
 pub use histogram::{AttributeStats, Histogram};
