@@ -118,7 +118,7 @@ fn every_attribute_colours_every_pixel_by_its_value() {
         for mut session in Session::all(&cloud, options(4096)) {
             let mut coloring = Coloring { by: attribute.clone().into(), ..Default::default() };
             coloring.classes.set_color(7, [1, 2, 3]);
-            session.progressive.carry(std::slice::from_ref(&attribute));
+            session.progressive.carry([attribute.clone()]);
             session.progressive.set_coloring(&coloring);
             for start in (0..cloud.len()).step_by(7000) {
                 session.progressive.offer(with_attributes(&cloud, start..cloud.len().min(start + 7000)));
@@ -163,7 +163,7 @@ fn a_given_range_and_map_are_used() {
         let map = Some(ColorMap::Turbo);
         let coloring = Coloring { by: attribute.clone().into(), map, range: Some(range), ..Default::default() };
         for mut session in Session::all(&cloud, options(65_536)) {
-            session.progressive.carry(std::slice::from_ref(&attribute));
+            session.progressive.carry([attribute.clone()]);
             session.progressive.set_coloring(&coloring);
             session.progressive.offer(with_attributes(&cloud, 0..cloud.len()));
             session.progressive.end_of_input();
@@ -184,7 +184,7 @@ fn a_switch_in_mid_load_comes_to_the_same() {
     {
         let coloring = Coloring { by: attribute.clone().into(), ..Default::default() };
         let from_start = Session::all(&cloud, options(4096)).into_iter().map(|mut session| {
-            session.progressive.carry(std::slice::from_ref(&attribute));
+            session.progressive.carry([attribute.clone()]);
             session.progressive.set_coloring(&coloring);
             (0..6).for_each(|n| session.progressive.offer(with_attributes(&cloud, n * 5000..(n + 1) * 5000)));
             session.progressive.end_of_input();
@@ -197,7 +197,7 @@ fn a_switch_in_mid_load_comes_to_the_same() {
             session.frame(&request);
             session.progressive.set_coloring(&coloring);
             assert_eq!(session.progressive.lacking(coloring.by.attribute()), std::slice::from_ref(&attribute));
-            session.progressive.begin_values(vec!std::slice::from_ref(&attribute));
+            session.progressive.begin_values(vec![attribute.clone()]);
             assert_eq!(session.progressive.lacking(coloring.by.attribute()), []);
             // Without values yet, all points are grey.
             session.frame(&request);
@@ -274,7 +274,7 @@ fn pages_of_a_column_change_nothing() {
             let Some(mut backend) = gpu(Raster::EarlyZ) else { return };
             backend.columns_mut().set_page_records(page_records);
             let mut session = Session::new(format!("{page_records:?}"), Box::new(backend), &cloud.facts, options(4096));
-            session.progressive.carry(std::slice::from_ref(&attribute));
+            session.progressive.carry([attribute.clone()]);
             session.progressive.set_coloring(&coloring);
             // More batches between two frames than wait at most.
             for start in (0..10_000).step_by(250) {
