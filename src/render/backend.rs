@@ -8,7 +8,7 @@ use super::{camera::View, choice::Choice, color::FileColor};
 use crate::{
     device::{PassTimes, Passes, Raster, RenderError},
     scene::PointBatch,
-    store::Insertion,
+    store::{Encoding, Insertion, Packing},
 };
 
 /// Who draws.
@@ -136,8 +136,13 @@ pub trait Backend {
     /// How it sums up colours for high-quality shading.
     fn sums(&self) -> Sums;
 
-    /// Empties the store. `points` are to be expected (a hint for the size of pages).
-    fn reset(&mut self, points: u64);
+    /// How positions of scenes to come are stored; `None`: as is best for the device. A backend that has but one encoding
+    /// keeps it: no picture depends on it.
+    fn set_encoding(&mut self, _encoding: Option<Encoding>) {}
+
+    /// Empties the store. `points` are to be expected (a hint for the size of pages), in a box that this packing holds,
+    /// if there is one; some may lie outside.
+    fn reset(&mut self, points: u64, packing: Option<Packing>);
 
     /// Most insertions that may happen between two frames.
     fn insertions_per_frame(&self) -> usize;
@@ -177,8 +182,11 @@ impl<B: Backend + ?Sized> Backend for Box<B> {
     fn sums(&self) -> Sums {
         (**self).sums()
     }
-    fn reset(&mut self, points: u64) {
-        (**self).reset(points);
+    fn set_encoding(&mut self, encoding: Option<Encoding>) {
+        (**self).set_encoding(encoding);
+    }
+    fn reset(&mut self, points: u64, packing: Option<Packing>) {
+        (**self).reset(points, packing);
     }
     fn insertions_per_frame(&self) -> usize {
         (**self).insertions_per_frame()

@@ -11,6 +11,7 @@ mod backends;
 mod choice;
 mod cloud;
 mod convergence;
+mod encoding;
 mod high_quality;
 mod projection;
 mod shaders;

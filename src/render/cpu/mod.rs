@@ -15,7 +15,10 @@ use self::{average::PixelSums, resolve::Resolved, store::PointStore, threads::ma
 use super::{
     Averaging, Backend, BackendInfo, FramePlan, PassTimes, Picture, Raster, RenderError, Sums, View, elevation_ramp,
 };
-use crate::{scene::PointBatch, store::Insertion};
+use crate::{
+    scene::PointBatch,
+    store::{Insertion, Packing},
+};
 
 /// The word of a pixel that no point covers.
 const BACKGROUND: u64 = u64::MAX;
@@ -171,7 +174,7 @@ impl Backend for CpuBackend {
         Sums::Hqs
     }
 
-    fn reset(&mut self, _points: u64) {
+    fn reset(&mut self, _points: u64, _packing: Option<Packing>) {
         // No memory is set aside for the points announced: a header may promise any number of them.
         self.store = PointStore::default();
         self.visible = Vec::new();

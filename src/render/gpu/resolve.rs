@@ -11,7 +11,7 @@ use crate::{
         timing::{FrameTimer, Stage},
     },
     render::{FramePlan, shading::EDL_GAIN},
-    store::gpu::Pages,
+    store::{Encoding, gpu::Pages},
 };
 
 /// Lighting in numbers for the kernel. Layout shared with `shaders/light.wgsl`.
@@ -26,8 +26,7 @@ pub struct ShadingUniform {
 
 /// The resolve pass.
 pub struct Resolve {
-    color: wgpu::ComputePipeline,
-    identify: wgpu::ComputePipeline,
+    points: PointPipelines,
     light: wgpu::ComputePipeline,
     /// Of what is written: colours and records.
     pub layout_colors: wgpu::BindGroupLayout,
@@ -36,26 +35,38 @@ pub struct Resolve {
     shading: wgpu::Buffer,
 }
 
+/// What reads points, in one encoding.
+struct PointPipelines {
+    encoding: Encoding,
+    color: wgpu::ComputePipeline,
+    identify: wgpu::ComputePipeline,
+}
+
 impl Resolve {
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, layouts: &TargetLayouts, pages: &Pages) -> Resolve {
         use Binding::{Read, ReadWrite, Uniform};
         let compute = wgpu::ShaderStages::COMPUTE;
         let layout_colors = kernel::layout(device, "colors", compute, &[ReadWrite, ReadWrite]);
         let layout_light = kernel::layout(device, "light", compute, &[Uniform, Read, ReadWrite]);
-        let (resolve, light) = (shaders::RESOLVE.module(device), shaders::LIGHT.module(device));
+        let light = shaders::LIGHT.module(device);
         let tables = ColorTables::new(device, queue);
-        let coloring = |entry| {
-            let groups = [&layouts.read, &pages.layout_resolve, &layout_colors, &tables.layout];
-            kernel::compute(device, &resolve, entry, &groups)
-        };
+        let groups = [&layouts.read, &pages.layout_resolve, &layout_colors, &tables.layout];
         Resolve {
-            color: coloring("color"),
-            identify: coloring("identify"),
+            // That of most scenes.
+            points: PointPipelines::new(device, groups, Encoding::Packed),
             light: kernel::compute(device, &light, "light", &[&layouts.read, &layout_light]),
             shading: kernel::uniform(device, "shading", size_of::<ShadingUniform>() as u64),
             layout_colors,
             layout_light,
             tables,
+        }
+    }
+
+    /// For pages in this encoding from now on.
+    pub fn set_encoding(&mut self, device: &wgpu::Device, layouts: &TargetLayouts, pages: &Pages) {
+        if self.points.encoding != pages.encoding() {
+            let groups = [&layouts.read, &pages.layout_resolve, &self.layout_colors, &self.tables.layout];
+            self.points = PointPipelines::new(device, groups, pages.encoding());
         }
     }
 
@@ -82,7 +93,7 @@ impl Resolve {
         pages: &Pages,
         averages: Option<(&wgpu::ComputePipeline, &wgpu::BindGroup)>,
     ) {
-        let (pipeline, bind) = averages.unwrap_or((&self.color, &targets.bind_read));
+        let (pipeline, bind) = averages.unwrap_or((&self.points.color, &targets.bind_read));
         let mut pass = timer.compute_pass(encoder, Stage::Resolve);
         self.record_pages(device, &mut pass, pipeline, bind, targets, pages);
         let buffers = [&self.shading, &targets.colors, &targets.picture];
@@ -102,7 +113,7 @@ impl Resolve {
         pages: &Pages,
     ) {
         let mut pass = encoder.begin_compute_pass(&Default::default());
-        self.record_pages(device, &mut pass, &self.identify, &targets.bind_read, targets, pages);
+        self.record_pages(device, &mut pass, &self.points.identify, &targets.bind_read, targets, pages);
     }
 
     fn record_pages(
@@ -124,5 +135,14 @@ impl Resolve {
             pass.set_bind_group(1, &page.bind_resolve, &[]);
             kernel::dispatch(pass, targets.pixels());
         }
+    }
+}
+
+impl PointPipelines {
+    /// `groups`: of words, of a page, of what is written, of colours.
+    fn new(device: &wgpu::Device, groups: [&wgpu::BindGroupLayout; 4], encoding: Encoding) -> PointPipelines {
+        let module = shaders::RESOLVE.module_in(device, encoding);
+        let coloring = |entry| kernel::compute(device, &module, entry, &groups);
+        PointPipelines { encoding, color: coloring("color"), identify: coloring("identify") }
     }
 }
