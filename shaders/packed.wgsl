@@ -11,7 +11,7 @@ fn field(word: vec2<u32>, at: u32, bits: u32) -> u32 {
     return select(across, word.y >> shift, at >= 32u) & mask;
 }
 
-fn unpack(word: vec2<u32>, base: vec3<i32>, bits: vec3<u32>) -> vec3<i32> {
+fn unpack_position(word: vec2<u32>, base: vec3<i32>, bits: vec3<u32>) -> vec3<i32> {
     let above = vec3<u32>(field(word, 0u, bits.x), field(word, bits.x, bits.y), field(word, bits.x + bits.y, bits.z));
     // Wraps, so that a box wider than half of the integers works too.
     return base + bitcast<vec3<i32>>(above);

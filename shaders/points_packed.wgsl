@@ -5,5 +5,5 @@
 
 // `local` counts from the page's first slot.
 fn load_position(local: u32) -> vec3<i32> {
-    return unpack(positions[local], page.base, page.bits);
+    return unpack_position(positions[local], page.base, page.bits);
 }

@@ -10,7 +10,7 @@ override bits_z: u32 = 0u;
 @group(1) @binding(2) var<storage, read> colors: array<u32>;
 
 fn load_position(local: u32) -> vec3<i32> {
-    return unpack(points[local], page.base, vec3<u32>(bits_x, bits_y, bits_z));
+    return unpack_position(points[local], page.base, vec3<u32>(bits_x, bits_y, bits_z));
 }
 
 fn load_color(local: u32) -> u32 {

@@ -169,13 +169,13 @@ mod tests {
         let grid = Grid { scale: [0.001, -0.001, 0.01], origin: [500e3, 5000e3, 0.0] };
         let bounds = Bounds { min: [500e3, 4999e3, -1.0], max: [500.1e3, 5000e3, 300.0] };
         let packing = Packing::of_scene(&grid, &bounds).unwrap();
-        assert_eq!(packing.bits, [20, 22, 22], "17, 20 and 15 bits are needed");
+        assert_eq!(packing.bits, [22, 21, 21], "17, 20 and 15 bits are needed");
         for z in [-100, 30_000] {
             assert!(packing.holds([0, 0, z]) && packing.holds([100_000, 1_000_000, z]));
             // As much room on either side.
-            assert!(packing.holds([-400_000, -1_500_000, z]) && packing.holds([500_000, 2_500_000, z]));
+            assert!(packing.holds([-2_000_000, -500_000, z]) && packing.holds([2_100_000, 1_500_000, z]));
         }
-        assert!(!packing.holds([-600_000, 0, 0]) && !packing.holds([700_000, 0, 0]));
+        assert!(!packing.holds([0, -600_000, 0]) && !packing.holds([0, 1_600_000, 0]));
         let all = Bounds { min: [-1e9; 3], max: [1e9; 3] };
         assert_eq!(
             Packing::of_scene(&Grid { scale: [0.01; 3], origin: [0.0; 3] }, &all),
