@@ -3,7 +3,10 @@
 use std::{path::PathBuf, time::Instant};
 
 use super::{outputs::Outputs, progress::ProgressStyle};
-use crate::render::{Camera, FillBudget, Look, RasterChoice, StoreOptions};
+use crate::{
+    render::{Camera, FillBudget, Look, RasterChoice, StoreOptions},
+    store::Encoding,
+};
 
 /// Points that a frame's fill tries on the way to the converged picture. Nobody watches, so frames may
 /// be long, and the fewer, the less is spent on what each costs anyway: a budget that follows a frame
@@ -58,6 +61,8 @@ pub struct Settings {
     pub camera: Option<Camera>,
     pub backend: BackendChoice,
     pub method: RasterChoice,
+    /// How positions are stored; `None`: as is best.
+    pub encoding: Option<Encoding>,
     /// Points that each frame's fill tries; by default [`CONVERGE_FILL`] or [`COUNTED_FILL`].
     pub fill: Option<u32>,
     pub look: Look,

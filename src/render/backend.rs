@@ -20,6 +20,8 @@ pub struct BackendInfo {
     pub api: String,
     pub driver: String,
     pub method: Raster,
+    /// How positions are stored now.
+    pub encoding: Encoding,
     /// What speaks for the method; none on the processor.
     pub choice: Option<Choice>,
 }

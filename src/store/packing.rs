@@ -5,12 +5,13 @@ use serde::Serialize;
 
 use crate::scene::{Bounds, Grid};
 
-/// How a position lies in memory.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+/// How a position lies in memory. By default packed, where that fits.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Encoding {
     /// Three 32-bit integers.
     Wide,
+    #[default]
     /// 8 bytes: distances from a lowest corner, in as few bits as the box needs.
     Packed,
 }

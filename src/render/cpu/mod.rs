@@ -17,7 +17,7 @@ use super::{
 };
 use crate::{
     scene::PointBatch,
-    store::{Insertion, Packing},
+    store::{Encoding, Insertion, Packing},
 };
 
 /// The word of a pixel that no point covers.
@@ -61,7 +61,14 @@ impl CpuBackend {
         let threads = threads.unwrap_or_else(|| available_parallelism().map_or(1, usize::from)).max(1);
         let adapter = format!("CPU, {threads} {}", if threads == 1 { "thread" } else { "threads" });
         CpuBackend {
-            info: BackendInfo { adapter, api: "cpu".into(), driver: String::new(), method: Raster::Cpu, choice: None },
+            info: BackendInfo {
+                adapter,
+                api: "cpu".into(),
+                driver: String::new(),
+                method: Raster::Cpu,
+                encoding: Encoding::Wide,
+                choice: None,
+            },
             threads,
             store: PointStore::default(),
             visible: Vec::new(),

@@ -39,9 +39,6 @@ use crate::{
     },
 };
 
-/// How positions are stored where nobody asks for another encoding.
-const DEFAULT_ENCODING: Encoding = Encoding::Packed;
-
 enum Rasterizer {
     Compute(ComputeRaster),
     Hardware(HardwareRaster),
@@ -122,6 +119,7 @@ impl GpuBackend {
                 api: adapter.backend.to_str().to_owned(),
                 driver: format!("{} {}", adapter.driver, adapter.driver_info).trim().to_owned(),
                 method: candidate.method,
+                encoding: Encoding::default(),
                 choice: Some(chooser.first_choice(candidate)),
             },
             view: kernel::uniform(&device, "view", size_of::<View>() as u64),
@@ -135,7 +133,7 @@ impl GpuBackend {
             average: None,
             timer: FrameTimer::new(&device, &queue, adapter.device_type),
             store,
-            encoding: DEFAULT_ENCODING,
+            encoding: Encoding::default(),
             layouts,
             device,
             queue,
@@ -162,6 +160,7 @@ impl GpuBackend {
         if self.chooser.encoding == encoding {
             return Ok(());
         }
+        self.info.encoding = encoding;
         self.chooser.set_encoding(encoding);
         self.resolve.set_encoding(&self.device, &self.layouts, &self.store.pages);
         // Its sums are those of a scene that is gone, or that has grown since.
@@ -275,7 +274,7 @@ impl Backend for GpuBackend {
     }
 
     fn set_encoding(&mut self, encoding: Option<Encoding>) {
-        self.encoding = encoding.unwrap_or(DEFAULT_ENCODING);
+        self.encoding = encoding.unwrap_or_default();
     }
 
     fn reset(&mut self, points: u64, packing: Option<Packing>) {
