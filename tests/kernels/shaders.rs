@@ -5,7 +5,7 @@ use std::mem::offset_of;
 
 use firstlight::{
     gpu::shaders::{self, Shader},
-    render::{FileColor, ShadingUniform, View},
+    render::{ColorTablesUniform, ColumnScaleUniform, FileColor, ShadingUniform, View},
     store::{
         Encoding,
         gpu::{InsertionUniform, PageUniform},
@@ -73,6 +73,8 @@ fn host_structs_have_the_layout_of_the_shaders() {
     );
     assert_eq!(layout_of(&shaders::MOVE, "Page"), host_layout!(PageUniform: base, first, bits, len));
     assert_eq!(layout_of(&shaders::RESOLVE, "FileColor"), host_layout!(FileColor: first_record, kind, low, high));
+    assert_eq!(layout_of(&shaders::RESOLVE, "ColorTables"), host_layout!(ColorTablesUniform: thresholds, ramp));
+    assert_eq!(layout_of(&shaders::COLUMN, "ColumnColors"), host_layout!(ColumnScaleUniform: high, low, colors));
     assert_eq!(
         layout_of(&shaders::LIGHT, "Shading"),
         host_layout!(ShadingUniform: edl_factor, background, unused_a, unused_b)
@@ -86,6 +88,9 @@ fn constants_are_the_hosts() {
     assert!(source.contains(&format!("const ROUNDS: u32 = {}u;", firstlight::store::ROUNDS)));
     let window = format!("const AVERAGED_DEPTH: f32 = {};", firstlight::render::AVERAGED_DEPTH);
     let most = format!("const MOST_FRAGMENTS: u32 = {}u << 20u;", firstlight::render::MOST_FRAGMENTS >> 20);
+    let [r, g, b] = firstlight::render::NO_DATA;
+    let no_data = format!("const NO_DATA: u32 = 0x{b:02x}{g:02x}{r:02x}u;");
+    assert!(shaders::RESOLVE.source().contains(&no_data));
     for shader in [shaders::AVERAGE_32, shaders::AVERAGE_64] {
         assert!(shader.source().contains(&window) && shader.source().contains(&most), "{}", shader.name);
     }
