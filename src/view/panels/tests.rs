@@ -3,7 +3,11 @@
 
 use std::{fmt::Write as _, path::PathBuf, time::Instant};
 
-use eframe::egui::{Key, Modifiers, OutputCommand, accesskit::{Role as AccessRole, Toggled}, vec2};
+use eframe::egui::{
+    Key, Modifiers, OutputCommand,
+    accesskit::{Role as AccessRole, Toggled},
+    vec2,
+};
 use egui_kittest::{
     Harness,
     kittest::{NodeT as _, Queryable as _},
