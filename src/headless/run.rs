@@ -10,7 +10,7 @@ use super::{
     outputs::{OutputError, picture_sha256, write_npy_f32, write_npy_i64, write_png},
     progress::{Progress, grouped},
     report::{Report, Seconds, Tally, file_entries, peak_memory_bytes},
-    settings::{BackendChoice, Settings, Stop},
+    settings::{BackendChoice, Settings, Stop, fields_of},
 };
 use crate::{
     render::{
@@ -45,7 +45,7 @@ pub fn render(settings: &Settings) -> Result<Report, HeadlessError> {
     // Reading starts first: a GPU takes a while to set up.
     // What stops half-way repeats bit for bit: then the order of the points must not depend on the disk.
     let slow_read = matches!(settings.stop, Stop::Frames(_) | Stop::Points(_)).then_some(Duration::MAX);
-    let fields = settings.fields();
+    let fields = fields_of(&settings.look);
     let stream = source::open(
         &settings.inputs,
         OpenOptions { threads: settings.threads, slow_read, fields, ..Default::default() },
@@ -183,7 +183,7 @@ impl Run<'_> {
                 self.report.notes.extend(coloring.absences(&facts));
                 self.progressive.open(facts.clone());
                 self.progressive.set_coloring(coloring);
-                self.progressive.carry(coloring.by.attribute().cloned());
+                self.progressive.carry(self.settings.look.attributes());
                 self.facts = Some(facts);
             }
             Event::Batch(batch) => {

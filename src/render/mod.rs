@@ -24,6 +24,7 @@ mod gpu;
 mod histogram;
 mod in_motion;
 mod keys;
+mod legend;
 mod look;
 mod paint;
 mod progressive;
@@ -51,6 +52,7 @@ pub use filter::{
 pub use frame::{FrameReport, FrameRequest, INSERTION_POINTS, Reprojection, StoreOptions};
 pub use gpu::{ColorTablesUniform, ColumnScaleUniform, GpuBackend, ShadingUniform};
 pub use histogram::{AttributeStats, Histogram};
+pub use legend::{Legend, LegendClass, LegendKey, Tick};
 pub use look::Look;
 pub use progressive::Progressive;
 pub use scale::{Scale, Transfer, key_of, value_of};

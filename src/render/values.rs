@@ -292,6 +292,16 @@ impl Values {
         }
     }
 
+    /// As [`AttributeStats::counts`].
+    pub fn counts(&self, attribute: &Attribute, stats: &[ColorStats]) -> Vec<(u16, u64)> {
+        match attribute {
+            Attribute::Elevation | Attribute::Intensity | Attribute::File => {
+                self.stats(attribute, stats).map_or_else(Vec::new, |stats| stats.counts())
+            }
+            _ => self.column(attribute).map_or_else(Vec::new, |column| column.stats.counts()),
+        }
+    }
+
     /// The values that all but this share of the points lie between, in the attribute's unit.
     pub fn clipped(&self, attribute: &Attribute, clip_percent: f64, stats: &[ColorStats]) -> Option<[f64; 2]> {
         match attribute {

@@ -72,7 +72,7 @@ fn unlit(mut request: FrameRequest) -> FrameRequest {
 }
 
 /// The colour of a value, by the definition; two at the border between two colours.
-fn expected(coloring: &Coloring, attribute: &Attribute, value: Option<f64>, [low, high]: [f64; 2]) -> Vec<[u8; 3]> {
+pub fn expected(coloring: &Coloring, attribute: &Attribute, value: Option<f64>, [low, high]: [f64; 2]) -> Vec<[u8; 3]> {
     let Some(value) = value else { return vec![NO_DATA] };
     match attribute {
         Attribute::Classification => return vec![coloring.classes.color(value as u8)],

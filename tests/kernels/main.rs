@@ -11,6 +11,7 @@ mod backends;
 mod choice;
 mod cloud;
 mod colors;
+mod colors_real;
 mod convergence;
 mod encoding;
 mod high_quality;
