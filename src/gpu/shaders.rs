@@ -64,9 +64,22 @@ shader!(
     "early",
     "plot_early",
     "raster",
+    "hidden",
     "span"
 );
-shader!(ATOMIC_MIN, INT64_MIN_MAX, "group", "page", "project", "points", "put_64", "plot_each", "raster", "span");
+shader!(
+    ATOMIC_MIN,
+    INT64_MIN_MAX,
+    "group",
+    "page",
+    "project",
+    "points",
+    "put_64",
+    "plot_each",
+    "raster",
+    "hidden",
+    "span"
+);
 shader!(
     REDUCE,
     INT64_MIN_MAX.union(SUBGROUP),
@@ -80,6 +93,7 @@ shader!(
     "reduce",
     "plot_reduce",
     "raster",
+    "hidden",
     "span"
 );
 shader!(
@@ -96,6 +110,7 @@ shader!(
     "reduce",
     "plot_reduce_early",
     "raster",
+    "hidden",
     "span"
 );
 shader!(
@@ -109,15 +124,41 @@ shader!(
     "subgroup",
     "dedup",
     "raster",
+    "hidden",
     "span"
 );
-shader!(DEPTH_32, NOTHING, "group", "page", "project", "points", "seen_atomic", "plot_depth_32", "raster", "span");
-shader!(SLOT_32, NOTHING, "group", "page", "project", "points", "seen_atomic", "plot_slot_32", "raster", "span");
-shader!(HARDWARE, NOTHING, "page", "project", "points", "hardware");
+shader!(
+    DEPTH_32,
+    NOTHING,
+    "group",
+    "page",
+    "project",
+    "points",
+    "seen_atomic",
+    "plot_depth_32",
+    "raster",
+    "hidden",
+    "span"
+);
+shader!(
+    SLOT_32,
+    NOTHING,
+    "group",
+    "page",
+    "project",
+    "points",
+    "seen_atomic",
+    "plot_slot_32",
+    "raster",
+    "hidden",
+    "span"
+);
+shader!(HARDWARE, NOTHING, "page", "project", "points", "hidden", "hardware");
+shader!(MASK, NOTHING, "group", "page", "points", "mask");
 shader!(INDEX, NOTHING, "group", "project", "index");
 shader!(RESOLVE, NOTHING, "group", "page", "project", "points", "color", "resolve");
-shader!(AVERAGE_32, NOTHING, "group", "page", "project", "points", "color", "sums_32", "average");
-shader!(AVERAGE_64, INT64_ATOMICS, "group", "page", "project", "points", "color", "sums_64", "average");
+shader!(AVERAGE_32, NOTHING, "group", "page", "project", "points", "color", "sums_32", "hidden", "average");
+shader!(AVERAGE_64, INT64_ATOMICS, "group", "page", "project", "points", "color", "sums_64", "hidden", "average");
 shader!(RESOLVE_32, NOTHING, "group", "page", "project", "points", "color", "resolve", "sums_32", "resolve_average");
 shader!(
     RESOLVE_64,
@@ -135,7 +176,7 @@ shader!(LIGHT, NOTHING, "group", "project", "light");
 shader!(COPY, NOTHING, "group", "methods/copy");
 
 /// All modules, for the tests.
-pub const ALL: [&Shader; 20] = [
+pub const ALL: [&Shader; 21] = [
     &INSERT,
     &MOVE,
     &RELOCATE,
@@ -148,6 +189,7 @@ pub const ALL: [&Shader; 20] = [
     &DEPTH_32,
     &SLOT_32,
     &HARDWARE,
+    &MASK,
     &INDEX,
     &RESOLVE,
     &AVERAGE_32,

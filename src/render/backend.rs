@@ -1,10 +1,10 @@
 //! What a backend must be able to do; [`super::Progressive`] decides what it does in which frame.
 
-use std::ops::Range;
+use std::{ops::Range, sync::Arc};
 
 use serde::{Deserialize, Serialize};
 
-use super::{camera::View, choice::Choice, color::FileColor};
+use super::{camera::View, choice::Choice, color::FileColor, filter::MaskRules};
 use crate::{
     device::{PassTimes, Passes, Raster, RenderError},
     scene::PointBatch,
@@ -41,6 +41,8 @@ pub struct FramePlan {
     pub files: Vec<FileColor>,
     /// The second pass of high-quality shading; without, each pixel shows its front point.
     pub averaging: Option<Averaging>,
+    /// Hides the points that fail these tests; none: all are shown.
+    pub mask: Option<Arc<MaskRules>>,
     /// A picture for comparing while a scene converges: which slots were visible, which are fresh, and the sums stay
     /// as they were, and no method is measured. Only the words are overwritten: the next frame cannot keep them.
     pub aside: bool,
@@ -158,6 +160,11 @@ pub trait Backend {
     /// Times of the latest frame that the device has finished, if it can tell; each is returned once.
     fn pass_times(&mut self) -> Option<PassTimes>;
 
+    /// Points that the filter of the last frame shows, as soon as that is known; none without a filter.
+    fn points_shown(&mut self) -> Option<u64> {
+        None
+    }
+
     /// Measures now which of its methods is the fastest, instead of between frames, if that is due.
     fn choose(&mut self) -> Result<(), RenderError> {
         Ok(())
@@ -197,6 +204,9 @@ impl<B: Backend + ?Sized> Backend for Box<B> {
     }
     fn pass_times(&mut self) -> Option<PassTimes> {
         (**self).pass_times()
+    }
+    fn points_shown(&mut self) -> Option<u64> {
+        (**self).points_shown()
     }
     fn choose(&mut self) -> Result<(), RenderError> {
         (**self).choose()

@@ -21,6 +21,13 @@ pub struct Look {
     pub clip: Clip,
 }
 
+impl Look {
+    /// Neither a filter nor a clipping box or slab hides any point.
+    pub fn shows_all(&self) -> bool {
+        self.filter.clauses.is_empty() && self.clip == Clip::default()
+    }
+}
+
 impl Default for Look {
     fn default() -> Self {
         Look { point_size: 1, shading: Shading::default(), filter: Filter::default(), clip: Clip::default() }

@@ -8,6 +8,7 @@ use super::{
     budget::{BudgetController, FillBudget},
     camera::View,
     color::FileColor,
+    filter::{Clip, Filter, MaskRules},
     frame::{FrameReport, FrameRequest, MAX_POINTS, Reprojection, StoreOptions},
 };
 use crate::{
@@ -25,6 +26,10 @@ pub struct Progressive<B> {
     stats: Vec<ColorStats>,
     /// What `stats` say of each file.
     file_colors: Vec<FileColor>,
+    filter: Filter,
+    clip: Clip,
+    /// What these come to on the scene; none: all points are shown.
+    mask: Option<Arc<MaskRules>>,
     /// Batches not yet (wholly) staged; of the first, `taken` points are.
     queue: VecDeque<PointBatch>,
     taken: usize,
@@ -64,6 +69,9 @@ impl<B: Backend> Progressive<B> {
             scene: None,
             stats: Vec::new(),
             file_colors: Vec::new(),
+            filter: Filter::default(),
+            clip: Clip::default(),
+            mask: None,
             queue: VecDeque::new(),
             taken: 0,
             spent: Vec::new(),
@@ -123,6 +131,31 @@ impl<B: Backend> Progressive<B> {
         self.undrawn = 0;
         self.memory_full = false;
         self.last_view = None;
+        self.make_mask();
+    }
+
+    /// Which points are shown from the next frame on, in this scene and those to come. What was visible and still is
+    /// stays in the picture; all points are tried again.
+    pub fn set_filter(&mut self, filter: &Filter, clip: &Clip) {
+        if (&self.filter, &self.clip) != (filter, clip) {
+            self.filter.clone_from(filter);
+            self.clip = *clip;
+            self.make_mask();
+        }
+    }
+
+    fn make_mask(&mut self) {
+        let rules = self.scene.as_ref().and_then(|scene| MaskRules::new(&self.filter, &self.clip, scene));
+        if self.mask.as_deref() != rules.as_ref() {
+            self.mask = rules.map(Arc::new);
+            self.restart();
+        }
+    }
+
+    /// Points that the last frame's filter shows of those stored then, as soon as the device has told; without a
+    /// filter all.
+    pub fn points_shown(&mut self) -> Option<u64> {
+        if self.mask.is_none() { Some(self.stored.into()) } else { self.backend.points_shown() }
     }
 
     /// True if the next frame could insert more points than are waiting.
@@ -296,6 +329,7 @@ impl<B: Backend> Progressive<B> {
             shading: request.shading,
             files: self.file_colors.clone(),
             averaging: None,
+            mask: self.mask.clone(),
             aside: false,
         }
     }

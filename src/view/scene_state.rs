@@ -40,7 +40,7 @@ pub struct SceneState {
     fill: FillBudget,
     threads: Option<usize>,
     /// Size of the picture that could not be drawn; another may do.
-    undrawable: Option<([u32; 2], bool)>,
+    undrawable: Option<([u32; 2], bool, bool)>,
 }
 
 /// What [`SceneState::advance`] did.
@@ -129,12 +129,13 @@ impl SceneState {
     /// Lets points in and draws.
     pub fn advance(&mut self, messages: &mut Messages, settings: &Settings, size: [u32; 2]) -> Advance {
         let again = self.take_points(messages);
-        let key = (size, settings.look.shading.high_quality);
+        let key = (size, settings.look.shading.high_quality, settings.look.shows_all());
         if size.contains(&0) || self.undrawable == Some(key) {
             return Advance { again, drawn: false };
         }
         let Some(view) = self.view(settings, size) else { return Advance { again, drawn: false } };
         let shading = settings.shading();
+        self.progressive.set_filter(&settings.look.filter, &settings.look.clip);
         match self.progressive.frame(&FrameRequest { view, fill: self.fill, shading }) {
             Ok(report) => {
                 self.last_report = Some(report);

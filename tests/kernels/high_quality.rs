@@ -121,6 +121,7 @@ fn draw_all(backend: &mut Summing, cloud: &Cloud, view: View) -> (Vec<[u64; 4]>,
         shading: request.shading,
         files: vec![FileColor::new(0, ColorRule::Rgb16)],
         averaging: Some(Averaging { begins: true, lists: false, slots: [0..count, 0..0] }),
+        mask: None,
         aside: false,
     };
     target.draw(&plan).unwrap();

@@ -11,6 +11,8 @@ mod backends;
 mod choice;
 mod cloud;
 mod convergence;
+mod filter;
+mod filter_counts;
 mod high_quality;
 mod projection;
 mod shaders;

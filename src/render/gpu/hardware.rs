@@ -45,10 +45,12 @@ impl HardwareRaster {
         needed.iter().find(|(flag, _)| !flags.contains(*flag)).map(|&(_, name)| name)
     }
 
-    pub fn new(device: &wgpu::Device, layout_positions: &wgpu::BindGroupLayout) -> HardwareRaster {
+    /// `masked`: draws only what a filter shows.
+    pub fn new(device: &wgpu::Device, layout_positions: &wgpu::BindGroupLayout, masked: bool) -> HardwareRaster {
         let layout_words = words_layout(device);
         let layout_depths = kernel::layout(device, "depths", wgpu::ShaderStages::FRAGMENT, &[Binding::DepthTexture]);
         let module = shaders::HARDWARE.module(device);
+        let constants = [("HAS_MASK", f64::from(u8::from(masked)))];
         let pipeline = |label, claims: bool| {
             let groups: &[&wgpu::BindGroupLayout] = if claims {
                 &[&layout_words, layout_positions, &layout_depths]
@@ -61,7 +63,10 @@ impl HardwareRaster {
                 vertex: wgpu::VertexState {
                     module: &module,
                     entry_point: Some("place"),
-                    compilation_options: Default::default(),
+                    compilation_options: wgpu::PipelineCompilationOptions {
+                        constants: &constants,
+                        ..Default::default()
+                    },
                     buffers: &[],
                 },
                 primitive: wgpu::PrimitiveState { topology: wgpu::PrimitiveTopology::PointList, ..Default::default() },
