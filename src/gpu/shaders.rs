@@ -172,11 +172,13 @@ shader!(
     "sums_64",
     "resolve_average"
 );
+shader!(COLUMN, NOTHING, "group", "project", "column_page", "column");
+shader!(FILL_COLUMN, NOTHING, "group", "column_page", "fill_column");
 shader!(LIGHT, NOTHING, "group", "project", "light");
 shader!(COPY, NOTHING, "group", "methods/copy");
 
 /// All modules, for the tests.
-pub const ALL: [&Shader; 21] = [
+pub const ALL: [&Shader; 23] = [
     &INSERT,
     &MOVE,
     &RELOCATE,
@@ -196,6 +198,8 @@ pub const ALL: [&Shader; 21] = [
     &AVERAGE_64,
     &RESOLVE_32,
     &RESOLVE_64,
+    &COLUMN,
+    &FILL_COLUMN,
     &LIGHT,
     &COPY,
 ];
