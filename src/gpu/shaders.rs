@@ -154,7 +154,8 @@ shader!(
     "span"
 );
 shader!(HARDWARE, NOTHING, "page", "project", "points", "hidden", "hardware");
-shader!(MASK, NOTHING, "group", "page", "points", "mask");
+shader!(MASK, NOTHING, "group", "page", "points", "mask_rules", "mask");
+shader!(MASK_COLUMN, NOTHING, "group", "page", "points", "mask_rules", "mask_column");
 shader!(INDEX, NOTHING, "group", "project", "index");
 shader!(RESOLVE, NOTHING, "group", "page", "project", "points", "color", "resolve");
 shader!(AVERAGE_32, NOTHING, "group", "page", "project", "points", "color", "sums_32", "hidden", "average");
@@ -178,7 +179,7 @@ shader!(LIGHT, NOTHING, "group", "project", "light");
 shader!(COPY, NOTHING, "group", "methods/copy");
 
 /// All modules, for the tests.
-pub const ALL: [&Shader; 23] = [
+pub const ALL: [&Shader; 24] = [
     &INSERT,
     &MOVE,
     &RELOCATE,
@@ -192,6 +193,7 @@ pub const ALL: [&Shader; 23] = [
     &SLOT_32,
     &HARDWARE,
     &MASK,
+    &MASK_COLUMN,
     &INDEX,
     &RESOLVE,
     &AVERAGE_32,

@@ -177,7 +177,7 @@ impl Run<'_> {
                 self.report.notes.extend(coloring.absences(&facts));
                 self.progressive.open(facts.clone());
                 self.progressive.set_coloring(coloring);
-                self.progressive.carry(coloring.by.attribute().cloned());
+                self.progressive.carry(self.settings.look.attributes().cloned());
                 self.facts = Some(facts);
             }
             Event::Batch(batch) => {

@@ -78,12 +78,14 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// What has to be read for the colours; `None`: what the automatic ones depend on, file by file.
+    /// What has to be read for the colours and the filter; `None`: what the automatic colours depend on, file by file.
     pub(super) fn fields(&self) -> Option<Fields> {
+        let filter = Fields::of(self.look.filter.attributes());
         match &self.look.coloring.by {
-            ColorBy::Auto => None,
-            ColorBy::Rgb => Some(Fields { rgb: true, ..Fields::NONE }),
-            ColorBy::Attribute(attribute) => Some(Fields::of([attribute])),
+            ColorBy::Auto if filter == Fields::NONE => None,
+            ColorBy::Auto => Some(filter.union(Fields::COLORS)),
+            ColorBy::Rgb => Some(filter.union(Fields { rgb: true, ..Fields::NONE })),
+            ColorBy::Attribute(attribute) => Some(filter.union(Fields::of([attribute]))),
         }
     }
 

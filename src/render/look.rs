@@ -7,6 +7,7 @@ use super::{
     coloring::Coloring,
     filter::{Clip, Filter},
 };
+use crate::scene::Attribute;
 
 /// How a scene is shown: what the window's controls set, and the options of `render` of the same names. The camera
 /// and the size of the picture are not part of it.
@@ -24,6 +25,11 @@ pub struct Look {
 }
 
 impl Look {
+    /// What has to be known of the points for their colours and to filter them, besides their positions.
+    pub fn attributes(&self) -> impl Iterator<Item = &Attribute> {
+        self.coloring.by.attribute().into_iter().chain(self.filter.attributes())
+    }
+
     /// Neither a filter nor a clipping box or slab hides any point.
     pub fn shows_all(&self) -> bool {
         self.filter.clauses.is_empty() && self.clip == Clip::default()

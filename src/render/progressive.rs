@@ -9,8 +9,8 @@ use super::{
     camera::View,
     color::PointColors,
     coloring::Coloring,
-    filter::{Clip, Filter, MaskRules},
     frame::{FrameReport, FrameRequest, MAX_POINTS, Reprojection, StoreOptions},
+    selection::Selection,
     values::Values,
 };
 use crate::{
@@ -31,10 +31,7 @@ pub struct Progressive<B> {
     /// What comes of `coloring`, `stats` and `values`, unless these have changed since.
     pub(super) colors: Arc<PointColors>,
     pub(super) colors_are_stale: bool,
-    filter: Filter,
-    clip: Clip,
-    /// What these come to on the scene; none: all points are shown.
-    mask: Option<Arc<MaskRules>>,
+    pub(super) selection: Selection,
     /// Batches not yet (wholly) staged; of the first, `taken` points are.
     queue: VecDeque<PointBatch>,
     taken: usize,
@@ -42,7 +39,7 @@ pub struct Progressive<B> {
     staged: PointBatch,
     input_ended: bool,
     insertions: u64,
-    stored: u32,
+    pub(super) stored: u32,
     coverage: Coverage,
     /// Points moved to other slots after the points tried had been compared by them. Among points of
     /// equal depth in a pixel (duplicates, level ground from above) the lowest slot wins; if the
@@ -78,9 +75,7 @@ impl<B: Backend> Progressive<B> {
             values: Values::default(),
             colors: Arc::new(Vec::new().into()),
             colors_are_stale: false,
-            filter: Filter::default(),
-            clip: Clip::default(),
-            mask: None,
+            selection: Selection::default(),
             queue: VecDeque::new(),
             taken: 0,
             spent: Vec::new(),
@@ -141,31 +136,7 @@ impl<B: Backend> Progressive<B> {
         self.undrawn = 0;
         self.memory_full = false;
         self.last_view = None;
-        self.make_mask();
-    }
-
-    /// Which points are shown from the next frame on, in this scene and those to come. What was visible and still is
-    /// stays in the picture; all points are tried again.
-    pub fn set_filter(&mut self, filter: &Filter, clip: &Clip) {
-        if (&self.filter, &self.clip) != (filter, clip) {
-            self.filter.clone_from(filter);
-            self.clip = *clip;
-            self.make_mask();
-        }
-    }
-
-    fn make_mask(&mut self) {
-        let rules = self.scene.as_ref().and_then(|scene| MaskRules::new(&self.filter, &self.clip, scene));
-        if self.mask.as_deref() != rules.as_ref() {
-            self.mask = rules.map(Arc::new);
-            self.restart();
-        }
-    }
-
-    /// Points that the last frame's filter shows of those stored then, as soon as the device has told; without a
-    /// filter all.
-    pub fn points_shown(&mut self) -> Option<u64> {
-        if self.mask.is_none() { Some(self.stored.into()) } else { self.backend.points_shown() }
+        self.selection.is_stale = true;
     }
 
     /// True if the next frame could insert more points than are waiting.
@@ -252,12 +223,14 @@ impl<B: Backend> Progressive<B> {
         self.insert_waiting(self.budget.insertions(request.fill, limit))?;
         self.insert_secs = start.elapsed().as_secs_f64();
         if let Some(refusal) = self.values.take_refusal() {
+            self.selection.is_stale = true;
             return Err(refusal);
         }
         if self.is_loaded() {
             self.values.end_carrying();
         }
         self.refresh_colors();
+        self.refresh_mask();
         if self.unsettled && self.is_loaded() {
             self.restart();
         }
@@ -280,6 +253,7 @@ impl<B: Backend> Progressive<B> {
     pub fn brute_force(&mut self, request: &FrameRequest) -> Result<FrameReport, RenderError> {
         self.insert_waiting(self.backend.insertions_per_frame() - self.undrawn)?;
         self.refresh_colors();
+        self.refresh_mask();
         self.coverage = Coverage::default();
         self.unsettled = false;
         self.averages = Averages::default();
@@ -349,7 +323,7 @@ impl<B: Backend> Progressive<B> {
             shading: request.shading,
             colors: self.colors.clone(),
             averaging: None,
-            mask: self.mask.clone(),
+            mask: self.selection.mask.clone(),
             aside: false,
         }
     }
@@ -385,7 +359,7 @@ impl<B: Backend> Progressive<B> {
     }
 
     /// Tries all points again, whatever was tried before.
-    fn restart(&mut self) {
+    pub(super) fn restart(&mut self) {
         self.coverage.restart();
         self.unsettled = false;
         self.averages.invalidate();

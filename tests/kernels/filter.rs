@@ -5,10 +5,10 @@ use std::sync::Arc;
 
 use firstlight::{
     render::{
-        Backend, Clause, Clip, ClipBox, CpuBackend, Filter, FrameRequest, GpuBackend, MaskRules, Picture, Progressive,
-        Raster, Slab,
+        Backend, Clause, Clip, ClipBox, CpuBackend, Filter, FrameRequest, GpuBackend, MaskRules, Picture, Place,
+        Progressive, Raster, Slab,
     },
-    scene::{FileFacts, PointBatch, SceneFacts},
+    scene::{Attribute, FileFacts, PointBatch, SceneFacts},
 };
 
 use crate::{
@@ -23,6 +23,7 @@ fn town(points: usize) -> Cloud {
     let mut cloud = Cloud::town(points);
     let files = &mut cloud.facts.files;
     files[0].points_in_header = points as u64 / 2;
+    files[0].record.has_intensities = true;
     files.push(FileFacts { first_record: points as u32 / 2, ..files[0].clone() });
     cloud
 }
@@ -165,12 +166,18 @@ fn an_empty_scene_can_be_filtered() {
     }
 }
 
+/// The town's batches have intensities, and nothing else.
+fn place(attribute: &Attribute) -> Place {
+    if *attribute == Attribute::Intensity { Place::Slots } else { Place::Nowhere }
+}
+
 /// The points that a case shows, as a scene of their own; records are those of the whole.
 fn shown_alone(cloud: &Cloud, case: &(Filter, Clip)) -> PointBatch {
-    let rules = MaskRules::new(&case.0, &case.1, &cloud.facts).expect("tests");
+    let rules = MaskRules::new(&case.0, &case.1, &cloud.facts, place).expect("tests");
     let mut batch = cloud.batch(0..cloud.len());
-    let shown: Vec<usize> =
-        (0..cloud.len()).filter(|&i| rules.show(batch.positions[i], batch.colors[i], batch.records[i])).collect();
+    let shown: Vec<usize> = (0..cloud.len())
+        .filter(|&i| rules.show(batch.positions[i], batch.colors[i], batch.records[i], |_| 0))
+        .collect();
     batch.positions = shown.iter().map(|&i| batch.positions[i]).collect();
     batch.colors = shown.iter().map(|&i| batch.colors[i]).collect();
     batch.records = shown.iter().map(|&i| batch.records[i]).collect();
@@ -299,9 +306,9 @@ fn faces_of_a_clipping_box_belong_to_it() {
     let (min, max) = (cloud.facts.grid.world(low), cloud.facts.grid.world(high));
     let shown = |bounds: ClipBox| {
         let clip = Clip { bounds: Some(bounds), slab: None };
-        let rules = MaskRules::new(&Filter::default(), &clip, &cloud.facts).unwrap();
+        let rules = MaskRules::new(&Filter::default(), &clip, &cloud.facts, place).unwrap();
         let batch = cloud.batch(0..cloud.len());
-        (0..cloud.len()).filter(|&i| rules.show(batch.positions[i], batch.colors[i], batch.records[i])).count()
+        (0..cloud.len()).filter(|&i| rules.show(batch.positions[i], batch.colors[i], batch.records[i], |_| 0)).count()
     };
     for degrees in [0.0, 360.0, 180.0] {
         assert_eq!(shown(ClipBox { min, max, degrees }), cloud.len(), "{degrees} degrees");

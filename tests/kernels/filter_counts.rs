@@ -1,7 +1,7 @@
 //! Filters on real scans: as many points as laspy, an independent reader, says.
 
 use std::{
-    collections::BTreeMap,
+    collections::{BTreeMap, HashSet},
     path::{Path, PathBuf},
 };
 
@@ -48,12 +48,15 @@ fn parse(options: &str) -> (Filter, Clip) {
 fn counts(mut backend: Box<dyn Backend>, scan: &Path, options: &[&str]) -> Vec<u64> {
     let stream = open(&[scan.into()], OpenOptions { fields: Some(Fields::ALL), ..Default::default() });
     backend.resize([16, 16]).unwrap();
+    let parsed: Vec<(Filter, Clip)> = options.iter().map(|options| parse(options)).collect();
     let mut progressive = Progressive::new(backend, StoreOptions { insertion_points: 10_000, ..Default::default() });
     let mut request = None;
     for event in stream.events() {
         match event {
             Event::Opened(facts) => {
                 progressive.open(facts.clone());
+                let needed = parsed.iter().flat_map(|(filter, _)| filter.attributes().cloned());
+                progressive.carry(needed.collect::<HashSet<_>>());
                 let view = Camera::fit(&facts.bounds, &facts.grid, 1.0).view(&facts.grid, [16, 16], 1).unwrap();
                 request = Some(FrameRequest { view, fill: FillBudget::Fixed(1000), shading: Shading::default() });
             }
@@ -64,9 +67,8 @@ fn counts(mut backend: Box<dyn Backend>, scan: &Path, options: &[&str]) -> Vec<u
     }
     let request = request.unwrap();
     let mut shown = Vec::new();
-    for options in options {
-        let (filter, clip) = parse(options);
-        progressive.set_filter(&filter, &clip);
+    for (filter, clip) in &parsed {
+        progressive.set_filter(filter, clip);
         loop {
             let frame = progressive.frame(&request).unwrap();
             // The same rules as before, differently written, draw nothing anew.

@@ -14,6 +14,7 @@ mod colors;
 mod convergence;
 mod filter;
 mod filter_counts;
+mod filter_values;
 mod high_quality;
 mod projection;
 mod shaders;

@@ -2,7 +2,7 @@
 
 use std::{collections::TryReserveError, sync::Arc};
 
-use super::{POINTS_PER_THREAD, store::PointStore, threads::map_parts};
+use super::{POINTS_PER_THREAD, columns::Columns, store::PointStore, threads::map_parts};
 use crate::render::MaskRules;
 
 /// The bits, and what they were made with.
@@ -22,6 +22,7 @@ impl Mask {
         &mut self,
         rules: Option<&Arc<MaskRules>>,
         store: &PointStore,
+        columns: &Columns,
         fresh: &[u32],
         threads: usize,
     ) -> Result<(), TryReserveError> {
@@ -32,7 +33,11 @@ impl Mask {
         let stored = store.records.len();
         self.words.try_reserve(stored.div_ceil(32) - self.words.len())?;
         self.words.resize(stored.div_ceil(32), 0);
-        let is_hidden = |slot: usize| !rules.show(store.positions[slot], store.attributes[slot], store.records[slot]);
+        let is_hidden = |slot: usize| {
+            let record = store.records[slot];
+            let key = |column| columns.key(column, record);
+            !rules.show(store.positions[slot], store.attributes[slot], record, key)
+        };
         if self.known > 0 {
             let told = map_parts(threads, fresh.len(), POINTS_PER_THREAD, |part| {
                 fresh[part].iter().map(|&slot| is_hidden(slot as usize)).collect::<Vec<bool>>()

@@ -13,7 +13,9 @@ mod threads;
 
 use std::{ops::Range, sync::atomic::AtomicU64, thread::available_parallelism, time::Instant};
 
-use self::{average::PixelSums, columns::Columns, mask::Mask, resolve::Resolved, store::PointStore, threads::map_parts};
+use self::{
+    average::PixelSums, columns::Columns, mask::Mask, resolve::Resolved, store::PointStore, threads::map_parts,
+};
 use super::{
     Averaging, Backend, BackendInfo, ColumnId, FramePlan, Keys, PassTimes, Picture, Raster, RenderError, Sums, View,
 };
@@ -262,10 +264,12 @@ impl Backend for CpuBackend {
         };
 
         self.resize([plan.view.width, plan.view.height])?;
-        self.mask.update(plan.mask.as_ref(), &self.store, &self.fresh, self.threads).map_err(|error| {
-            let (points, detail) = (self.store.records.len() as u64, error.to_string());
-            RenderError::NoMemoryForFilter { points, detail }
-        })?;
+        self.mask.update(plan.mask.as_ref(), &self.store, &self.columns, &self.fresh, self.threads).map_err(
+            |error| {
+                let (points, detail) = (self.store.records.len() as u64, error.to_string());
+                RenderError::NoMemoryForFilter { points, detail }
+            },
+        )?;
         times.insert += lap();
         if !plan.keeps_depths {
             self.clear();

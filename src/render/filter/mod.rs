@@ -15,7 +15,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 pub use self::{
     clip::{Clip, ClipBox, ClipError, Slab},
-    rules::{Key, MaskRules, RULE_WORDS, Test},
+    rules::{Key, MaskRules, Place, Test},
     values::{Values, ValuesError},
 };
 use crate::scene::{Attribute, UnknownAttribute};

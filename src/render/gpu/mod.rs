@@ -183,7 +183,7 @@ impl GpuBackend {
         }
         if let (Some(mask), Some(rules)) = (&mut self.mask, &plan.mask) {
             let mut pass = self.timer.compute_pass(encoder, Stage::Insert);
-            mask.record(&self.device, &self.queue, &mut pass, &self.store, rules, self.stored);
+            mask.record(&self.device, &self.queue, &mut pass, &self.store, &self.columns, rules, self.stored);
         }
         if !plan.keeps_depths {
             self.record_clear(encoder, targets);
@@ -254,7 +254,7 @@ impl GpuBackend {
             self.mask.as_mut().map(Mask::forget);
         }
         if on && self.mask.is_none() {
-            self.mask = Some(Mask::new(&self.device, &self.store));
+            self.mask = Some(Mask::new(&self.device, &self.store, &self.columns));
         }
         if on != self.masked {
             let candidate = self.current();
