@@ -25,7 +25,7 @@ pub fn with_attributes(cloud: &Cloud, range: std::ops::Range<usize>) -> PointBat
         user_data: range.clone().map(|k| (k * 13 % 256) as u8).collect(),
         point_source: range.clone().map(|k| (k * 11 % 65_536) as u16).collect(),
         gps_time: range.clone().map(|k| if k % UNTIMED == 5 { f64::NAN } else { time(k) }).collect(),
-        extra: range.clone().flat_map(|k| ((k as i64 * 29 % 4000 - 2000) as i16).to_le_bytes()).collect(),
+        extra: range.flat_map(|k| ((k as i64 * 29 % 4000 - 2000) as i16).to_le_bytes()).collect(),
         ..Default::default()
     };
     batch
@@ -196,7 +196,7 @@ fn a_switch_in_mid_load_comes_to_the_same() {
             (0..3).for_each(|n| session.progressive.offer(cloud.batch(n * 5000..(n + 1) * 5000)));
             session.frame(&request);
             session.progressive.set_coloring(&coloring);
-            assert_eq!(session.progressive.lacking(coloring.by.attribute()), [attribute.clone()]);
+            assert_eq!(session.progressive.lacking(coloring.by.attribute()), std::slice::from_ref(&attribute));
             session.progressive.begin_values(vec![attribute.clone()]);
             assert_eq!(session.progressive.lacking(coloring.by.attribute()), []);
             // Without values yet, all points are grey.

@@ -149,7 +149,7 @@ mod tests {
 
     #[test]
     fn neighbours_of_the_palette_differ() {
-        let apart = |a: [u8; 3], b: [u8; 3]| (0..3).map(|c| a[c].abs_diff(b[c]) as u32).sum::<u32>();
+        let apart = |a: [u8; 3], b: [u8; 3]| (0..3).map(|c| u32::from(a[c].abs_diff(b[c]))).sum::<u32>();
         for n in 0..256 {
             for k in 1..4 {
                 assert!(apart(palette(n), palette(n + k)) > 60, "{n} and {}", n + k);
