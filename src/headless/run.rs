@@ -175,6 +175,7 @@ impl Run<'_> {
                 self.report.notes.extend(facts.warnings.iter().cloned());
                 let coloring = &self.settings.look.coloring;
                 self.report.notes.extend(coloring.absences(&facts));
+                self.report.notes.extend(self.settings.look.filter.absences(&facts));
                 self.progressive.open(facts.clone());
                 self.progressive.set_coloring(coloring);
                 self.progressive.carry(self.settings.look.attributes().cloned());
