@@ -68,6 +68,7 @@ pub fn render(settings: &Settings) -> Result<Report, HeadlessError> {
         seconds: Seconds::default(),
         report,
     };
+    run.progressive.set_filter(&settings.look.filter, &settings.look.clip);
     let last_frame = run.draw_to_the_end(stream);
     run.progress.finish();
     let last_frame = last_frame?;
@@ -181,6 +182,7 @@ impl Run<'_> {
                 self.report.notes.extend(facts.warnings.iter().cloned());
                 let coloring = &self.settings.look.coloring;
                 self.report.notes.extend(coloring.absences(&facts));
+                self.report.notes.extend(self.settings.look.filter.absences(&facts));
                 self.progressive.open(facts.clone());
                 self.progressive.set_coloring(coloring);
                 self.progressive.carry(self.settings.look.attributes());
@@ -271,6 +273,7 @@ impl Run<'_> {
         report.points_in_header = report.files.iter().map(|f| f.points_in_header).sum();
         report.points_decoded = report.files.iter().map(|f| f.points_decoded).sum();
         report.points_stored = self.progressive.points_stored();
+        report.points_shown = self.progressive.points_shown();
         report.read_to_end = self.source.is_some();
         report.points_missing = report.files.iter().map(|f| f.points_missing).sum();
         if self.out_of_memory {

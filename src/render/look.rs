@@ -35,6 +35,11 @@ impl Look {
         }
         attributes
     }
+
+    /// Neither a filter nor a clipping box or slab hides any point.
+    pub fn shows_all(&self) -> bool {
+        self.filter.clauses.is_empty() && self.clip == Clip::default()
+    }
 }
 
 impl Default for Look {

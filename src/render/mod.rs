@@ -30,6 +30,7 @@ mod paint;
 mod progressive;
 mod progressive_values;
 mod scale;
+mod selection;
 mod shading;
 mod values;
 
@@ -47,7 +48,7 @@ pub use coloring::{
 pub use column::{ColumnColors, ColumnId, Keys, Lookup};
 pub use cpu::{CpuBackend, list_visible};
 pub use filter::{
-    Clause, ClauseError, Clip, ClipBox, ClipError, Filter, Key, MaskRules, RULE_WORDS, Slab, Test, Values, ValuesError,
+    Clause, ClauseError, Clip, ClipBox, ClipError, Filter, Key, MaskRules, Place, Slab, Test, Values, ValuesError,
 };
 pub use frame::{FrameReport, FrameRequest, INSERTION_POINTS, Reprojection, StoreOptions};
 pub use gpu::{ColorTablesUniform, ColumnScaleUniform, GpuBackend, ShadingUniform};

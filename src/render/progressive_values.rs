@@ -22,6 +22,7 @@ impl<B: Backend> Progressive<B> {
     /// of the reader. To be called before the first batch.
     pub fn carry(&mut self, attributes: impl IntoIterator<Item = Attribute>) {
         self.values.carry(attributes);
+        self.selection.is_stale = true;
     }
 
     /// Colours points otherwise from the next frame on. That frame costs no more than any; where values are lacking,
@@ -49,6 +50,7 @@ impl<B: Backend> Progressive<B> {
     pub fn begin_values(&mut self, attributes: Vec<Attribute>) {
         self.values.begin_reading(attributes, &mut self.backend);
         self.colors_are_stale = true;
+        self.selection.is_stale = true;
     }
 
     /// Takes the announced values of a batch, whose points are not stored: they are, or will be, by the way of
@@ -59,6 +61,7 @@ impl<B: Backend> Progressive<B> {
     pub fn offer_values(&mut self, batch: &PointBatch) -> Result<(), RenderError> {
         self.values.take_values(batch, &mut self.backend, &self.coloring);
         self.colors_are_stale = true;
+        self.selection.is_stale = true;
         self.values.take_refusal().map_or(Ok(()), Err)
     }
 
@@ -66,12 +69,14 @@ impl<B: Backend> Progressive<B> {
     pub fn end_values(&mut self) {
         self.values.end_reading();
         self.colors_are_stale = true;
+        self.selection.is_stale = true;
     }
 
     /// Nobody will fetch the announced values: those that have not all come are dropped.
     pub fn drop_values(&mut self) {
         self.values.stop_reading(&mut self.backend);
         self.colors_are_stale = true;
+        self.selection.is_stale = true;
     }
 
     /// True while announced values are on their way.

@@ -43,7 +43,7 @@ pub struct SceneState {
     /// Values that a look needs and that the points came without.
     pub rereading: Rereading,
     /// Size of the picture that could not be drawn; another may do.
-    undrawable: Option<([u32; 2], bool)>,
+    undrawable: Option<([u32; 2], bool, bool)>,
 }
 
 /// What [`SceneState::advance`] did.
@@ -172,12 +172,13 @@ impl SceneState {
     pub fn advance(&mut self, ctx: &Context, messages: &mut Messages, settings: &Settings, size: [u32; 2]) -> Advance {
         let mut again = self.take_points(messages);
         again |= self.take_values(ctx, messages, settings);
-        let key = (size, settings.look.shading.high_quality);
+        let key = (size, settings.look.shading.high_quality, settings.look.shows_all());
         if size.contains(&0) || self.undrawable == Some(key) {
             return Advance { again, drawn: false };
         }
         let Some(view) = self.view(settings, size) else { return Advance { again, drawn: false } };
         let shading = settings.shading();
+        self.progressive.set_filter(&settings.look.filter, &settings.look.clip);
         match self.progressive.frame(&FrameRequest { view, fill: self.fill, shading }) {
             Ok(report) => {
                 self.last_report = Some(report);
