@@ -21,6 +21,20 @@ use crate::{
     source,
 };
 
+/// What `--help` says at its end.
+pub fn help() -> String {
+    const EXAMPLES: &str = "\
+Examples:
+  firstlight render scan.laz -o scan.png
+  firstlight render scan.laz -o ground.png --filter class=2,9 --filter return=1
+  firstlight render scan.laz -o trees.png --filter 'class!=2,6,7,18' --filter elevation=210..255.5
+  firstlight render strips/ -o second.png --filter file=1 --filter gps-time=315964800.5..315964900
+  firstlight render scan.laz -o house.png --clip 456000,5412000,200,456040,5412025,230,30
+  firstlight render scan.laz -o section.png --slab 456020,5412010,0,1,0,0,0.5
+";
+    format!("{EXAMPLES}\n{}", super::exit::HELP)
+}
+
 #[derive(Debug, Args)]
 pub struct RenderArgs {
     /// LAS and LAZ files, and folders of them

@@ -13,15 +13,16 @@ use super::{
     loading::{Drained, End, First, Loading},
     messages::{Messages, Severity},
     navigation::Navigation,
+    rereading::Rereading,
     screenshot::ShotOptions,
     settings::Settings,
 };
 use crate::{
     render::{
-        Backend, CameraError, FillBudget, FrameReport, FrameRequest, GpuBackend, Picture, Progressive, RenderError,
+        Backend, CameraError, FillBudget, FrameReport, FrameRequest, GpuBackend, Look, Picture, Progressive, RenderError,
         StoreOptions, View,
     },
-    scene::SceneFacts,
+    scene::{Attribute, SceneFacts},
 };
 
 /// Time that a frame may spend on taking batches from the decoders.
@@ -45,10 +46,14 @@ pub struct SceneState {
     pub last_report: Option<FrameReport>,
     fill: FillBudget,
     threads: Option<usize>,
+    /// Values that a look needs and that the points came without.
+    pub rereading: Rereading,
     /// Size of the picture that could not be drawn; another may do.
-    undrawable: Option<([u32; 2], bool)>,
+    undrawable: Option<([u32; 2], bool, bool)>,
     /// The picture that is being taken for a file.
     pub shot: Option<ShotOptions>,
+    /// Attributes that the panel asks for, besides those of the look.
+    asked: Vec<Attribute>,
 }
 
 /// A scene whose headers are being read.
@@ -82,8 +87,10 @@ impl SceneState {
     pub fn new(backend: GpuBackend, options: &Options, is_software: bool) -> SceneState {
         let store = StoreOptions { seed: options.seed, ..Default::default() };
         let target = FillBudget::Target(if is_software { SOFTWARE_FRAME_SECS } else { GPU_FRAME_SECS });
+        let mut progressive = Progressive::new(backend, store);
+        progressive.set_coloring(&options.look.coloring);
         SceneState {
-            progressive: Progressive::new(backend, store),
+            progressive,
             loading: None,
             incoming: None,
             inputs: Vec::new(),
@@ -91,37 +98,39 @@ impl SceneState {
             last_report: None,
             fill: options.fill.map_or(target, FillBudget::Fixed),
             threads: options.threads,
+            rereading: Rereading::default(),
             undrawable: None,
             shot: None,
+            asked: Vec::new(),
         }
     }
 
     /// Starts to read; what is on screen stays until the new headers are known. Files that are added are read together
     /// with those on screen, all of them anew: scenes have one grid.
-    pub fn open(&mut self, ctx: &Context, inputs: Vec<PathBuf>, add: bool) {
+    pub fn open(&mut self, ctx: &Context, inputs: Vec<PathBuf>, add: bool, look: &Look) {
         if !add || self.loading.is_none() {
-            return self.start(ctx, inputs, false);
+            return self.start(ctx, inputs, false, look);
         }
         let mut all = self.inputs.clone();
         all.extend(inputs.into_iter().filter(|input| !self.inputs.contains(input)));
-        self.start(ctx, all, true);
+        self.start(ctx, all, true, look);
     }
 
     /// Takes one file away; the others are read anew.
-    pub fn close_file(&mut self, ctx: &Context, file: usize) {
+    pub fn close_file(&mut self, ctx: &Context, file: usize, look: &Look) {
         let Some(scene) = self.loading.as_ref().and_then(Loading::scene) else { return };
         // A folder is no more than its files from here on.
         let others = scene.files.iter().enumerate().filter(|(i, _)| *i != file);
         let others: Vec<PathBuf> = others.map(|(_, file)| file.path.clone()).collect();
         if !others.is_empty() {
-            self.start(ctx, others, true);
+            self.start(ctx, others, true, look);
         }
     }
 
-    fn start(&mut self, ctx: &Context, inputs: Vec<PathBuf>, keeps_view: bool) {
+    fn start(&mut self, ctx: &Context, inputs: Vec<PathBuf>, keeps_view: bool, look: &Look) {
         let ctx = ctx.clone();
         let wake = Arc::new(move || ctx.request_repaint());
-        let loading = Loading::start(&inputs, self.threads, wake);
+        let loading = Loading::start(&inputs, self.threads, look.attributes(), wake);
         self.incoming = Some(Incoming { loading, inputs, keeps_view });
     }
 
@@ -143,10 +152,16 @@ impl SceneState {
                 for warning in &scene.warnings {
                     messages.add(Severity::Note, warning.as_str());
                 }
+                for absence in self.progressive.coloring().absences(&scene) {
+                    messages.add(Severity::Note, absence);
+                }
                 let title = format!("{} – firstlight", title(&scene, inputs));
                 ctx.send_viewport_cmd(ViewportCommand::Title(title));
                 let mut navigation = Navigation::new(scene.grid, &scene.bounds, size);
                 self.progressive.open(scene);
+                self.progressive.carry(loading.carried.iter().cloned());
+                self.rereading = Rereading::default();
+                self.asked.clear();
                 self.undrawable = None;
                 self.last_report = None;
                 self.shot = None;
@@ -162,6 +177,13 @@ impl SceneState {
             }
         }
         Taken::Nothing
+    }
+
+    /// Reads the values of one more attribute.
+    pub fn ask_for(&mut self, attribute: Attribute) {
+        if !self.asked.contains(&attribute) {
+            self.asked.push(attribute);
+        }
     }
 
     /// Stops reading; what is read stays.
@@ -195,11 +217,49 @@ impl SceneState {
         again
     }
 
+    /// Sees to it that the values that the look takes are read, and lets them in; true if there may be more.
+    fn take_values(&mut self, ctx: &Context, messages: &mut Messages, settings: &Settings) -> bool {
+        if self.progressive.coloring() != &settings.look.coloring {
+            self.progressive.set_coloring(&settings.look.coloring);
+            self.say_absences(messages, settings);
+        }
+        let mut wanted = settings.look.attributes();
+        wanted.extend(self.asked.iter().filter(|asked| !wanted.contains(asked)).cloned().collect::<Vec<_>>());
+        let wake = || {
+            let ctx = ctx.clone();
+            Arc::new(move || ctx.request_repaint()) as Arc<dyn Fn() + Send + Sync>
+        };
+        self.rereading.follow(&mut self.progressive, &wanted, self.threads, wake);
+        match self.rereading.drain(&mut self.progressive, DRAIN_TIME) {
+            Ok(again) => again,
+            Err(error) => {
+                messages.add(Severity::Error, sentence(&error));
+                false
+            }
+        }
+    }
+
+    /// Says which files lack what the points are to be coloured by.
+    fn say_absences(&self, messages: &mut Messages, settings: &Settings) {
+        if let Some(scene) = self.progressive.scene() {
+            for absence in settings.look.coloring.absences(scene) {
+                messages.add(Severity::Note, absence);
+            }
+        }
+    }
+
     /// Lets points in and draws.
-    pub fn advance(&mut self, messages: &mut Messages, settings: &Settings, window_size: [u32; 2]) -> Advance {
-        let again = self.take_points(messages);
+    pub fn advance(
+        &mut self,
+        ctx: &Context,
+        messages: &mut Messages,
+        settings: &Settings,
+        window_size: [u32; 2],
+    ) -> Advance {
+        let mut again = self.take_points(messages);
+        again |= self.take_values(ctx, messages, settings);
         let size = self.shot.as_ref().filter(|shot| shot.wait).map_or(window_size, |shot| shot.size);
-        let key = (size, settings.look.shading.high_quality);
+        let key = (size, settings.look.shading.high_quality, settings.look.shows_all());
         if size.contains(&0) || self.undrawable == Some(key) {
             return Advance { again, drawn: false };
         }
@@ -212,8 +272,8 @@ impl SceneState {
                 return Advance { again, drawn: false };
             }
         };
-        self.progressive.set_coloring(&settings.look.coloring);
         let shading = settings.shading();
+        self.progressive.set_filter(&settings.look.filter, &settings.look.clip);
         match self.progressive.frame(&FrameRequest { view, fill: self.fill, shading }) {
             Ok(report) => {
                 self.last_report = Some(report);
@@ -290,6 +350,7 @@ impl SceneState {
     pub fn close(&mut self) {
         self.incoming = None;
         self.loading = None;
+        self.rereading = Rereading::default();
     }
 }
 
