@@ -17,9 +17,10 @@ use super::{
     dialogs::{Chosen, Dialogs},
     help,
     input::{self, Hand},
+    legend,
     loading::Loading,
     messages::{Messages, Severity},
-    models,
+    models::{self, Spread},
     overlay::{self, Averages, Status},
     pace::Pace,
     panels::{self, Typed, performance::Performance, share::Share},
@@ -30,7 +31,10 @@ use super::{
     screenshot::{self, ShotOptions, Writing},
     settings::{Ask, Section, Settings},
 };
-use crate::render::{Backend, FillBudget, GpuBackend, RenderError};
+use crate::{
+    render::{Backend, FillBudget, GpuBackend, RenderError},
+    scene::Attribute,
+};
 
 /// How often the numbers are brought up to date while nothing else asks for a frame.
 const STATUS_INTERVAL: Duration = Duration::from_millis(250);
@@ -53,6 +57,7 @@ pub struct App {
     share: Share,
     performance: Performance,
     writing: Option<Writing>,
+    spread: Spread,
     on_wayland: bool,
 }
 
@@ -85,6 +90,7 @@ impl App {
             share: Share { wait: true, ..Default::default() },
             performance: Performance::default(),
             writing: None,
+            spread: Spread::default(),
             on_wayland: super::is_on_wayland(),
         };
         if !options.inputs.is_empty() {
@@ -151,6 +157,7 @@ impl App {
                 panels::files::forget_file(&mut self.settings.look.filter, files, file);
                 self.scene.close_file(ctx, file, &self.settings.look);
             }
+            Request::Read(attribute) => self.scene.ask_for(attribute),
             Request::ForgetRecent => self.remembered.recent.clear(),
             Request::Screenshot(options) => self.begin_shot(options),
             Request::StopScreenshot => self.scene.shot = None,
@@ -199,6 +206,7 @@ impl App {
     /// Keys of the window itself; those of the picture are `input`'s.
     fn window_keys(&mut self, ctx: &Context) -> Vec<Request> {
         let ctrl_shift = Modifiers::COMMAND | Modifiers::SHIFT;
+        let is_typing = ctx.egui_wants_keyboard_input();
         let mut requests = Vec::new();
         ctx.input_mut(|i| {
             let add = self.typed.add;
@@ -210,6 +218,13 @@ impl App {
             }
             if i.consume_key(Modifiers::COMMAND, Key::S) {
                 requests.push(Request::Screenshot(self.share.options()));
+            }
+            if !is_typing {
+                let forward = i.consume_key(Modifiers::NONE, Key::V);
+                if forward || i.consume_key(Modifiers::SHIFT, Key::V) {
+                    self.spread.colors.step(&mut self.settings.look.coloring, forward);
+                    log::debug!("colours by {}", self.settings.look.coloring.by);
+                }
             }
             if i.consume_key(Modifiers::NONE, Key::F6) {
                 self.settings.panel = true;
@@ -274,10 +289,13 @@ impl App {
         if self.settings.sections.contains(&Section::Performance) {
             models::measure(&mut self.performance, &self.scene, &self.device, Instant::now());
         }
-        let files = models::files(&self.scene, &self.remembered.recent, self.on_wayland);
+        let by_file = self.settings.look.coloring.by == Attribute::File.into();
+        let files = models::files(&self.scene, &self.remembered.recent, by_file, self.on_wayland);
         models::share(&mut self.share, &self.scene, self.size, self.writing.is_some());
         let mut model = panels::Model {
             files: &files,
+            colors: &self.spread.colors,
+            filters: &self.spread.filters,
             performance: &self.performance,
             share: &mut self.share,
             messages: &self.messages,
@@ -303,6 +321,11 @@ impl App {
             let waiting_for = waiting_for.map(|path| scene_state::name(path));
             let background = self.settings.look.shading.background;
             overlay::invitation(ui, rect, waiting_for.as_deref(), background, self.on_wayland);
+        }
+        if self.settings.legend {
+            if let Some(legend) = &self.spread.legend {
+                legend::show(ui, rect, legend);
+            }
         }
         if self.settings.help {
             help::show(ui.ctx(), &mut self.settings);
@@ -410,6 +433,7 @@ impl eframe::App for App {
             requests.push(Request::Open { inputs: dropped, add });
         }
         self.take_dialog(&ctx);
+        self.spread.refresh(&ctx, &mut self.scene, &self.settings);
         requests.extend(self.show_panel(ui));
         let obeyed = !requests.is_empty();
         for request in requests {

@@ -19,8 +19,8 @@ use super::{
 };
 use crate::{
     render::{
-        Backend, CameraError, FillBudget, FrameReport, FrameRequest, GpuBackend, Look, Picture, Progressive, RenderError,
-        StoreOptions, View,
+        Backend, CameraError, FillBudget, FrameReport, FrameRequest, GpuBackend, Look, Picture, Progressive,
+        RenderError, StoreOptions, View,
     },
     scene::{Attribute, SceneFacts},
 };
