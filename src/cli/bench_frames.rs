@@ -13,7 +13,8 @@ use super::{
     CliError, ExitStatus,
     look::ColorArgs,
     render::{BackendArg, backend_choice},
-    say, values,
+    say,
+    values::{self, EncodingChoice},
 };
 use crate::{
     headless::{Destination, HeadlessError, OutputError, fields_of, make_backend},
@@ -52,6 +53,9 @@ pub struct BenchFramesArgs {
     /// size; auto measures which is the fastest
     #[arg(long, value_name = "auto|NAME", default_value = "auto", value_parser = values::parse_method)]
     method: RasterChoice,
+    /// How positions lie in memory
+    #[arg(long, value_enum, default_value_t)]
+    encoding: EncodingChoice,
     /// High-quality shading
     #[arg(long)]
     hq: bool,
@@ -91,6 +95,7 @@ pub fn run(args: BenchFramesArgs, started: Instant) -> Result<ExitStatus, CliErr
         at: args.at,
         frames: args.frames,
         high_quality: args.hq,
+        encoding: args.encoding.encoding(),
         coloring: args.color.coloring(),
     };
     let report = bench_frames(&settings, feed, backend, decoded, started)?;

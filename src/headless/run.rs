@@ -19,6 +19,7 @@ use crate::{
     },
     scene::{PointBatch, SceneFacts},
     source::{self, Event, OpenOptions, SourceError, SourceReport, Stream},
+    store::{Encoding, Packing, TooWide},
 };
 
 /// Why there is no picture.
@@ -32,6 +33,8 @@ pub enum HeadlessError {
     Camera(#[from] CameraError),
     #[error(transparent)]
     Render(#[from] RenderError),
+    #[error(transparent)]
+    TooWide(#[from] TooWide),
     #[error("the reader ended without saying why")]
     ReaderEnded,
 }
@@ -47,7 +50,8 @@ pub fn render(settings: &Settings) -> Result<Report, HeadlessError> {
         &settings.inputs,
         OpenOptions { threads: settings.threads, slow_read, fields, ..Default::default() },
     );
-    let (backend, backend_name, notes) = make_backend(settings.backend, settings.method, settings.threads)?;
+    let (mut backend, backend_name, notes) = make_backend(settings.backend, settings.method, settings.threads)?;
+    backend.set_encoding(settings.encoding);
     let mut report = Report::new(settings, backend.info(), backend_name);
     report.notes = notes;
 
@@ -169,6 +173,9 @@ impl Run<'_> {
     fn take(&mut self, event: Event) -> Result<(), HeadlessError> {
         match event {
             Event::Opened(facts) => {
+                if self.settings.encoding == Some(Encoding::Packed) {
+                    Packing::of_scene(&facts.grid, &facts.bounds)?;
+                }
                 self.tally = Tally::new(facts.files.len());
                 self.progress.expect(facts.points_in_header());
                 self.report.notes.extend(facts.warnings.iter().cloned());
@@ -259,6 +266,7 @@ impl Run<'_> {
         let info = self.progressive.backend().info();
         report.method = info.method.to_string();
         report.choice.clone_from(&info.choice);
+        report.encoding = info.encoding;
         report.files = file_entries(self.facts.as_deref(), &self.tally, self.source.as_ref());
         report.points_in_header = report.files.iter().map(|f| f.points_in_header).sum();
         report.points_decoded = report.files.iter().map(|f| f.points_decoded).sum();

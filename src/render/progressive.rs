@@ -15,7 +15,7 @@ use super::{
 use crate::{
     device::{PassTimes, Passes, Raster, RenderError},
     scene::{ColorStats, PointBatch, SceneFacts},
-    store::{Coverage, Insertion, MAX_INSERTION_POINTS},
+    store::{Coverage, Insertion, MAX_INSERTION_POINTS, Packing},
 };
 
 /// A scene that grows while it is drawn.
@@ -116,7 +116,8 @@ impl<B: Backend> Progressive<B> {
 
     /// Starts a scene; an earlier one is dropped.
     pub fn open(&mut self, scene: Arc<SceneFacts>) {
-        self.backend.reset(scene.points_in_header().min(self.options.max_points));
+        let packing = Packing::of_scene(&scene.grid, &scene.bounds).ok();
+        self.backend.reset(scene.points_in_header().min(self.options.max_points), packing);
         self.stats = vec![ColorStats::default(); scene.files.len()];
         self.values = Values::new(scene.clone());
         self.colors_are_stale = true;

@@ -13,6 +13,7 @@ mod cloud;
 mod colors;
 mod colors_real;
 mod convergence;
+mod encoding;
 mod high_quality;
 mod projection;
 mod shaders;

@@ -16,7 +16,10 @@ use self::{average::PixelSums, columns::Columns, resolve::Resolved, store::Point
 use super::{
     Averaging, Backend, BackendInfo, ColumnId, FramePlan, Keys, PassTimes, Picture, Raster, RenderError, Sums, View,
 };
-use crate::{scene::PointBatch, store::Insertion};
+use crate::{
+    scene::PointBatch,
+    store::{Encoding, Insertion, Packing},
+};
 
 /// The word of a pixel that no point covers.
 const BACKGROUND: u64 = u64::MAX;
@@ -59,7 +62,14 @@ impl CpuBackend {
         let threads = threads.unwrap_or_else(|| available_parallelism().map_or(1, usize::from)).max(1);
         let adapter = format!("CPU, {threads} {}", if threads == 1 { "thread" } else { "threads" });
         CpuBackend {
-            info: BackendInfo { adapter, api: "cpu".into(), driver: String::new(), method: Raster::Cpu, choice: None },
+            info: BackendInfo {
+                adapter,
+                api: "cpu".into(),
+                driver: String::new(),
+                method: Raster::Cpu,
+                encoding: Encoding::Wide,
+                choice: None,
+            },
             threads,
             store: PointStore::default(),
             visible: Vec::new(),
@@ -172,7 +182,7 @@ impl Backend for CpuBackend {
         Sums::Hqs
     }
 
-    fn reset(&mut self, _points: u64) {
+    fn reset(&mut self, _points: u64, _packing: Option<Packing>) {
         // No memory is set aside for the points announced: a header may promise any number of them.
         self.store = PointStore::default();
         self.columns = Columns::default();
