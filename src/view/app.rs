@@ -94,7 +94,7 @@ impl App {
             on_wayland: super::is_on_wayland(),
         };
         if !options.inputs.is_empty() {
-            app.scene.open(ctx, options.inputs, false, &app.settings.look);
+            app.scene.open(ctx, options.inputs, false, &app.settings);
         }
         Ok(app)
     }
@@ -138,7 +138,7 @@ impl App {
 
     fn obey(&mut self, ctx: &Context, request: Request) {
         match request {
-            Request::Open { inputs, add } => self.scene.open(ctx, inputs, add, &self.settings.look),
+            Request::Open { inputs, add } => self.scene.open(ctx, inputs, add, &self.settings),
             Request::Choose { what, add } => {
                 let at = match what {
                     Choose::Picture => Some(PathBuf::from(self.share.path.trim())),
@@ -155,7 +155,7 @@ impl App {
             Request::CloseFile(file) => {
                 let files = self.scene.facts().map_or(0, |facts| facts.files.len());
                 panels::files::forget_file(&mut self.settings.look.filter, files, file);
-                self.scene.close_file(ctx, file, &self.settings.look);
+                self.scene.close_file(ctx, file, &self.settings);
             }
             Request::Read(attribute) => self.scene.ask_for(attribute),
             Request::ForgetRecent => self.remembered.recent.clear(),
@@ -194,7 +194,7 @@ impl App {
     fn take_dialog(&mut self, ctx: &Context) {
         match self.dialogs.answer() {
             None => {}
-            Some(Chosen::Files { inputs, add }) => self.scene.open(ctx, inputs, add, &self.settings.look),
+            Some(Chosen::Files { inputs, add }) => self.scene.open(ctx, inputs, add, &self.settings),
             Some(Chosen::Picture(path)) => {
                 self.share.path = path.display().to_string();
                 self.share.may_replace = true;

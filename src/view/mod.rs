@@ -22,7 +22,6 @@ mod probe;
 mod remembered;
 mod requests;
 mod rereading;
-mod rereading;
 mod scene_state;
 mod screenshot;
 mod settings;

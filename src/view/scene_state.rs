@@ -19,8 +19,8 @@ use super::{
 };
 use crate::{
     render::{
-        Backend, CameraError, FillBudget, FrameReport, FrameRequest, GpuBackend, Look, Picture, Progressive,
-        RenderError, StoreOptions, View,
+        Backend, CameraError, FillBudget, FrameReport, FrameRequest, GpuBackend, Picture, Progressive, RenderError,
+        StoreOptions, View,
     },
     scene::{Attribute, SceneFacts},
 };
@@ -107,30 +107,31 @@ impl SceneState {
 
     /// Starts to read; what is on screen stays until the new headers are known. Files that are added are read together
     /// with those on screen, all of them anew: scenes have one grid.
-    pub fn open(&mut self, ctx: &Context, inputs: Vec<PathBuf>, add: bool, look: &Look) {
+    pub fn open(&mut self, ctx: &Context, inputs: Vec<PathBuf>, add: bool, settings: &Settings) {
         if !add || self.loading.is_none() {
-            return self.start(ctx, inputs, false, look);
+            return self.start(ctx, inputs, false, settings);
         }
         let mut all = self.inputs.clone();
         all.extend(inputs.into_iter().filter(|input| !self.inputs.contains(input)));
-        self.start(ctx, all, true, look);
+        self.start(ctx, all, true, settings);
     }
 
     /// Takes one file away; the others are read anew.
-    pub fn close_file(&mut self, ctx: &Context, file: usize, look: &Look) {
+    pub fn close_file(&mut self, ctx: &Context, file: usize, settings: &Settings) {
         let Some(scene) = self.loading.as_ref().and_then(Loading::scene) else { return };
         // A folder is no more than its files from here on.
         let others = scene.files.iter().enumerate().filter(|(i, _)| *i != file);
         let others: Vec<PathBuf> = others.map(|(_, file)| file.path.clone()).collect();
         if !others.is_empty() {
-            self.start(ctx, others, true, look);
+            self.start(ctx, others, true, settings);
         }
     }
 
-    fn start(&mut self, ctx: &Context, inputs: Vec<PathBuf>, keeps_view: bool, look: &Look) {
+    fn start(&mut self, ctx: &Context, inputs: Vec<PathBuf>, keeps_view: bool, settings: &Settings) {
         let ctx = ctx.clone();
         let wake = Arc::new(move || ctx.request_repaint());
-        let loading = Loading::start(&inputs, self.threads, look.attributes(), wake);
+        let carried = settings.look.attributes();
+        let loading = Loading::start(&inputs, self.threads, carried, wake);
         self.incoming = Some(Incoming { loading, inputs, keeps_view });
     }
 
