@@ -299,7 +299,7 @@ impl SceneState {
         let is_shown = self.picture().is_some_and(|(_, size)| size == shot.size) && self.last_report.is_some();
         if shot.wait {
             let is_final = self.last_report.is_some_and(|report| report.is_converged()) && !self.is_loading();
-            if !(is_final && is_shown) {
+            if !(is_final && is_shown && self.rereading.progress().is_none()) {
                 return None;
             }
         }
