@@ -217,6 +217,7 @@ impl App {
                 requests.push(Request::Choose { what: Choose::Files, add });
             }
             if i.consume_key(Modifiers::COMMAND, Key::S) {
+                self.share.window_size = self.size;
                 requests.push(Request::Screenshot(self.share.options()));
             }
             if !is_typing {
