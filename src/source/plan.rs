@@ -222,6 +222,9 @@ impl FilePlan {
             points_in_header: self.points,
             bounds: self.bounds,
             kind: self.header.kind(),
+            crs: self.crs.short(),
+            metres_per_unit: self.crs.metres_per_unit(),
+            is_geographic: self.crs.is_geographic(),
             record: RecordFacts {
                 format: self.header.format,
                 scan_angle_step: if self.reader.layout.extended { 0.006 } else { 1.0 },
