@@ -7,10 +7,12 @@ use serde::Serialize;
 
 mod attribute;
 mod attributes;
+mod classes;
 mod extra_bytes;
 
 pub use attribute::{Attribute, UnknownAttribute};
 pub use attributes::{Attributes, WAVE_PACKET_BYTES};
+pub use classes::class_name;
 pub use extra_bytes::{ExtraDimension, ExtraKind, Number};
 
 /// Most points that one [`PointBatch`] carries.

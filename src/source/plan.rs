@@ -135,7 +135,8 @@ fn put_in_order(files: &mut [FilePlan], options: &OpenOptions) -> Vec<Task> {
     tasks
 }
 
-fn open_file(
+/// Reads one file's header and where its points are; `first_record` is its first point's number in the scene.
+pub fn open_file(
     path: &Path,
     fields: Option<Fields>,
     first_record: u64,
