@@ -99,7 +99,7 @@ fn a_record_of_a_large_chunk_comes_at_once_and_can_be_cancelled() {
     for (name, compress) in [("a.las", false), ("a.laz", true)] {
         let path = dir.path().join(name);
         let options = SynthOptions { points: 120_000, ..SynthOptions::new(Scene::Town) };
-        write(&path, &options).unwrap();
+        write(&options, &path, &mut |_| {}).unwrap();
         let file = RecordFile::open(&path, &NEVER).unwrap();
         let started = Instant::now();
         let last_of_chunk = file.read(99_999, &NEVER).unwrap();
@@ -121,7 +121,7 @@ fn a_file_that_became_shorter_says_so() {
     for (name, compress) in [("a.las", false), ("a.laz", true)] {
         let path = dir.path().join(name);
         let options = SynthOptions { points: 5_000, ..SynthOptions::new(Scene::Planes) };
-        write(&path, &options).unwrap();
+        write(&options, &path, &mut |_| {}).unwrap();
         let file = RecordFile::open(&path, &NEVER).unwrap();
         let length = std::fs::metadata(&path).unwrap().len();
         std::fs::OpenOptions::new().write(true).open(&path).unwrap().set_len(length / 2).unwrap();
