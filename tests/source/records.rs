@@ -118,7 +118,7 @@ fn a_record_of_a_large_chunk_comes_at_once_and_can_be_cancelled() {
 #[test]
 fn a_file_that_became_shorter_says_so() {
     let dir = tempfile::tempdir().unwrap();
-    for (name, compress) in [("a.las", false), ("a.laz", true)] {
+    for name in ["a.las", "a.laz"] {
         let path = dir.path().join(name);
         let options = SynthOptions { points: 5_000, ..SynthOptions::new(Scene::Planes) };
         write(&options, &path, &mut |_| {}).unwrap();
