@@ -43,11 +43,6 @@ Exit codes:
   5  an output cannot be written
   6  no device does what was asked (--backend, --method, --size)";
 
-/// [`HELP`] behind a command's examples.
-pub fn after(examples: &str) -> String {
-    format!("{examples}\n\n{HELP}")
-}
-
 /// Why the program ends early.
 #[derive(Debug, thiserror::Error)]
 pub enum CliError {

@@ -12,6 +12,7 @@ mod compare;
 mod damaged;
 mod ingest;
 mod measure;
+mod pick;
 mod picture;
 mod projection;
 mod raster;
