@@ -226,11 +226,25 @@ mod tests {
         };
         let inputs: Vec<PathBuf> =
             ["scan.laz", "it's my \"scan\" $1.laz", "-o.las", "größe/"].map(PathBuf::from).into();
+        let mut classes = crate::render::ClassTable::default();
+        classes.set_color(6, [255, 0, 16]);
+        classes.set_color(200, [1, 2, 3]);
         let looks = [
             Look::default(),
             Look {
                 point_size: "3".parse().unwrap(),
                 shading: Shading { edl_strength: 0.1, background: [1, 2, 255], high_quality: true },
+                ..Default::default()
+            },
+            Look {
+                coloring: crate::render::Coloring {
+                    by: "extra:a b".parse().unwrap(),
+                    map: Some("turbo".parse().unwrap()),
+                    range: Some([-1.5, 1e9 / 7.0]),
+                    clip_percent: 0.3,
+                    classes,
+                    tone: crate::render::Tone { brightness: -0.1, contrast: 1.0 / 3.0, gamma: 2.2 },
+                },
                 ..Default::default()
             },
             Look {

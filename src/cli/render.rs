@@ -175,7 +175,7 @@ impl RenderArgs {
     /// What is shown of which inputs.
     #[cfg(test)]
     pub fn view(&self) -> ((Look, Option<Camera>, [u32; 2]), Vec<PathBuf>) {
-        let camera = self.camera.as_deref().map(|path| read_camera(path).unwrap());
+        let camera = self.camera.as_deref().map(|path| read_camera(path).expect("a camera"));
         ((self.look.look(1), camera, self.size), self.inputs.clone())
     }
 

@@ -132,11 +132,13 @@ shader!(
     "resolve_average"
 );
 shader!(PICK, NOTHING, "page", "points", "pick");
+shader!(COLUMN, NOTHING, "group", "project", "column_page", "column");
+shader!(FILL_COLUMN, NOTHING, "group", "column_page", "fill_column");
 shader!(LIGHT, NOTHING, "group", "project", "light");
 shader!(COPY, NOTHING, "group", "methods/copy");
 
 /// All modules, for the tests.
-pub const ALL: [&Shader; 21] = [
+pub const ALL: [&Shader; 23] = [
     &INSERT,
     &MOVE,
     &RELOCATE,
@@ -156,6 +158,8 @@ pub const ALL: [&Shader; 21] = [
     &RESOLVE_32,
     &RESOLVE_64,
     &PICK,
+    &COLUMN,
+    &FILL_COLUMN,
     &LIGHT,
     &COPY,
 ];

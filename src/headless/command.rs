@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::render::{Camera, Clip, Filter, Look, Shading};
+use crate::render::{Camera, ClassTable, Clip, Coloring, Filter, Look, Shading, Tone};
 
 /// `firstlight render …` for what this camera shows, quoted for a POSIX shell. Options that have their default value are
 /// left out. Names that are no UTF-8 do not survive.
@@ -19,7 +19,7 @@ pub fn command(look: &Look, camera: &Camera, size: [u32; 2], inputs: &[PathBuf])
 
 /// Every option of `cli::look` that is not at its default. A new field of `Look` does not compile until it is here.
 fn look_words(look: &Look, words: &mut Vec<String>) {
-    let Look { point_size, shading, filter, clip } = look;
+    let Look { point_size, shading, coloring, filter, clip } = look;
     let Shading { edl_strength, background, high_quality } = shading;
     let Filter { clauses } = filter;
     let Clip { bounds, slab } = clip;
@@ -37,6 +37,7 @@ fn look_words(look: &Look, words: &mut Vec<String>) {
         let [red, green, blue] = background;
         option(words, "--background", format!("#{red:02x}{green:02x}{blue:02x}"));
     }
+    color_words(coloring, words);
     for clause in clauses {
         option(words, "--filter", clause.to_string());
     }
@@ -45,6 +46,39 @@ fn look_words(look: &Look, words: &mut Vec<String>) {
     }
     if let Some(slab) = slab {
         option(words, "--slab", slab.to_string());
+    }
+}
+
+/// The same of `cli::look::ColorArgs`. Names of classes are not in a picture.
+fn color_words(coloring: &Coloring, words: &mut Vec<String>) {
+    let Coloring { by, map, range, clip_percent, classes, tone } = coloring;
+    let Tone { brightness, contrast, gamma } = tone;
+    let usual = Coloring::default();
+    if *by != usual.by {
+        option(words, "--color-by", by.to_string());
+    }
+    if let Some(map) = map {
+        option(words, "--color-map", map.to_string());
+    }
+    if let Some([low, high]) = range {
+        option(words, "--color-range", format!("{low},{high}"));
+    }
+    if *clip_percent != usual.clip_percent {
+        option(words, "--color-clip", clip_percent.to_string());
+    }
+    for (number, class) in classes.changed() {
+        let [red, green, blue] = class.color;
+        if class.color != ClassTable::default().color(number) {
+            option(words, "--class-color", format!("{number}=#{red:02x}{green:02x}{blue:02x}"));
+        }
+    }
+    let tones = [
+        ("--brightness", *brightness, usual.tone.brightness),
+        ("--contrast", *contrast, usual.tone.contrast),
+        ("--gamma", *gamma, usual.tone.gamma),
+    ];
+    for (name, value, _) in tones.into_iter().filter(|(_, value, usual)| value != usual) {
+        option(words, name, value.to_string());
     }
 }
 

@@ -6,7 +6,7 @@ use super::{
     decimal::{shortest, shortest_f32},
     record::{ExtraValue, PointRecord},
 };
-use crate::scene::class_name;
+use crate::render::ClassTable;
 
 /// A named value. Names: those of LAS, in the snake case of most readers; X, Y and Z are the record's integers, x, y and z
 /// the coordinates; `extra:NAME` is a dimension's value and `extra:NAME:raw` what is stored, where these differ.
@@ -58,7 +58,7 @@ impl PointRecord {
         add("scan_direction", number(&u8::from(self.flags.scan_direction)));
         add("edge_of_flight_line", Value::Flag(self.flags.edge_of_flight_line));
         add("classification", number(&self.classification));
-        add("class_name", class_name(self.classification).map_or(Value::None, |name| Value::Text(name.into())));
+        add("class_name", Value::Text(ClassTable::default().get(self.classification).name.into()));
         add("scan_angle", number(&self.scan_angle));
         add("scan_angle_deg", number(&self.scan_angle_deg));
         add("user_data", number(&self.user_data));

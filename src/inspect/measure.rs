@@ -101,6 +101,15 @@ impl Ruler {
         self.unit
     }
 
+    /// Coordinates of a grid position in all their digits: of a scene of one file, those of the record.
+    pub fn coordinates(&self, position: [i32; 3]) -> [String; 3] {
+        [0, 1, 2].map(|a| {
+            let exact = scaled(position[a].into(), self.grid.scale[a], self.grid.origin[a]);
+            // The reader lets no scale or offset through that is not finite.
+            exact.map_or_else(String::new, |decimal| decimal.to_string())
+        })
+    }
+
     /// From one grid position to another.
     pub fn distance(&self, from: [i32; 3], to: [i32; 3]) -> Distance {
         let steps = [0, 1, 2].map(|a| i64::from(to[a]) - i64::from(from[a]));
@@ -234,6 +243,7 @@ mod tests {
             "Distance: 13.000 m; Horizontal: 5.000 m; Vertical: 12.000 m; ΔX, ΔY, ΔZ: 3.000, 4.000, 12.000; \
              Slope: 67.38° (240.0 %); Bearing: 36.87°"
         );
+        assert_eq!(ruler.coordinates(from), ["2500000.000", "3000000.000", "0.007"]);
         let back = ruler.distance([2_000_003_000, -1_999_996_000, 12_007], from);
         assert_eq!((back.length, back.vertical, back.differences[2].to_string()), (13.0, -12.0, "-12.000".into()));
         assert!((back.bearing_deg.unwrap() - 216.869_898).abs() < 1e-6);

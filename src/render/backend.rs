@@ -1,13 +1,14 @@
 //! What a backend must be able to do; [`super::Progressive`] decides what it does in which frame.
 
-use std::ops::Range;
+use std::{ops::Range, sync::Arc};
 
 use serde::{Deserialize, Serialize};
 
 use super::{
     camera::View,
     choice::Choice,
-    color::FileColor,
+    color::PointColors,
+    column::{ColumnId, Keys},
     pick::{Pick, PickAt, PickTicket},
 };
 use crate::{
@@ -42,8 +43,7 @@ pub struct FramePlan {
     /// Slots to draw besides.
     pub fill: [Range<u32>; 2],
     pub shading: Shading,
-    /// Colour rule of each file, in order of their first records.
-    pub files: Vec<FileColor>,
+    pub colors: Arc<PointColors>,
     /// The second pass of high-quality shading; without, each pixel shows its front point.
     pub averaging: Option<Averaging>,
     /// A picture for comparing while a scene converges: which slots were visible, which are fresh, and the sums stay
@@ -153,6 +153,17 @@ pub trait Backend {
     /// Inserts a batch. Its points are *fresh* until the next frame.
     fn insert(&mut self, insertion: &Insertion, points: &PointBatch) -> Result<(), RenderError>;
 
+    /// Puts values in their places by record number; `keys` are those of `records`, at most
+    /// [`BATCH_POINTS`](crate::scene::BATCH_POINTS), each once. A column begins with its first values, and all of its
+    /// keys are of one kind.
+    ///
+    /// # Errors
+    /// [`RenderError::NoMemoryForValues`]; what was there stays.
+    fn fill_column(&mut self, column: ColumnId, records: &[u32], keys: Keys<'_>) -> Result<(), RenderError>;
+
+    /// Frees a column.
+    fn drop_column(&mut self, column: ColumnId);
+
     /// Switches off that the lists of slots follow points which an insertion moves (or on again). For measuring
     /// what that is worth: without it, a picture loses points while a file loads.
     fn set_relocation(&mut self, on: bool);
@@ -200,6 +211,12 @@ impl<B: Backend + ?Sized> Backend for Box<B> {
     }
     fn insert(&mut self, insertion: &Insertion, points: &PointBatch) -> Result<(), RenderError> {
         (**self).insert(insertion, points)
+    }
+    fn fill_column(&mut self, column: ColumnId, records: &[u32], keys: Keys<'_>) -> Result<(), RenderError> {
+        (**self).fill_column(column, records, keys)
+    }
+    fn drop_column(&mut self, column: ColumnId) {
+        (**self).drop_column(column);
     }
     fn set_relocation(&mut self, on: bool) {
         (**self).set_relocation(on);

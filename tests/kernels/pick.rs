@@ -58,6 +58,7 @@ fn a_pick_is_the_record_of_the_nearest_pixel() {
     for mut session in Session::all(&cloud, options(1_000)) {
         let request = request(&cloud, &cloud.camera_moved(3), 1, 2_000);
         // While points arrive and move to other slots, and at the end.
+        let mut beside = 0;
         for step in 0..8 {
             match step {
                 0..6 => session.offer(&cloud, step * 1_000..(step + 1) * 1_000, 1_000),
@@ -65,17 +66,16 @@ fn a_pick_is_the_record_of_the_nearest_pixel() {
             }
             session.frame(&request);
             let picture = session.read();
-            let mut hits = 0;
             for pixel in places(&picture) {
                 for reach in [0, 1, 4] {
                     let at = PickAt { pixel, reach };
                     let found = picked(&mut session, at);
                     assert_eq!(difference(&picture, &cloud, at, found), None, "{}, step {step}", session.name);
-                    hits += usize::from(found.is_some_and(|pick| pick.pixel != pixel));
+                    beside += usize::from(found.is_some_and(|pick| pick.pixel != pixel));
                 }
             }
-            assert!(hits > 20, "{}: {hits} picks of a pixel beside", session.name);
         }
+        assert!(beside > 80, "{}: {beside} picks of a pixel beside", session.name);
         let picture = session.read();
         let far = PickAt { pixel: [0, 0], reach: MAX_REACH };
         let found = picked(&mut session, PickAt { reach: u32::MAX, ..far });

@@ -11,6 +11,7 @@ mod command_line;
 mod compare;
 mod damaged;
 mod ingest;
+mod manual;
 mod measure;
 mod pick;
 mod picture;
