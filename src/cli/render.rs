@@ -9,7 +9,12 @@ use std::{
 
 use clap::{Args, ValueEnum};
 
-use super::{CliError, ExitStatus, look::LookArgs, say, values};
+use super::{
+    CliError, ExitStatus,
+    look::LookArgs,
+    say,
+    values::{self, EncodingChoice},
+};
 use crate::{
     headless::{self, BackendChoice, Destination, HeadlessError, Outputs, ProgressStyle, Report, Settings, Stop},
     render::{Camera, INSERTION_POINTS, Look, RasterChoice},
@@ -72,6 +77,9 @@ pub struct RenderArgs {
     /// Points that enter the store at a time; fixes their slots together with the seed
     #[arg(long, value_name = "N", default_value_t = INSERTION_POINTS, value_parser = values::parse_insertion, hide = true)]
     insertion_points: u32,
+    /// How the store holds positions; no pixel depends on it
+    #[arg(long, value_enum, default_value_t, hide = true)]
+    encoding: EncodingChoice,
 }
 
 /// [`BackendChoice`] on the command line.
@@ -192,6 +200,7 @@ impl RenderArgs {
             camera,
             backend,
             method: self.method,
+            encoding: self.encoding.encoding(),
             fill: self.fill,
             look: self.look.look(Look::default().point_size),
             seed: self.seed,

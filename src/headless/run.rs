@@ -19,6 +19,7 @@ use crate::{
     },
     scene::{PointBatch, SceneFacts},
     source::{self, Event, OpenOptions, SourceError, SourceReport, Stream},
+    store::{Encoding, Packing, TooWide},
 };
 
 /// Why there is no picture.
@@ -32,6 +33,8 @@ pub enum HeadlessError {
     Camera(#[from] CameraError),
     #[error(transparent)]
     Render(#[from] RenderError),
+    #[error(transparent)]
+    TooWide(#[from] TooWide),
     #[error("the reader ended without saying why")]
     ReaderEnded,
 }
@@ -60,8 +63,12 @@ pub fn pick(settings: &Settings, questions: &[PickAt]) -> Result<Picked, Headles
     let (mut run, last_frame) = Run::of_all_points(settings)?;
     let mut picks = Vec::new();
     for &at in questions {
-        // Outside of the picture there is nothing.
-        let ticket = run.progressive.pick(at);
+        let mut ticket = run.progressive.pick(at);
+        if ticket.is_none() {
+            // For the kernels; outside of the picture there is nothing, now as then.
+            run.progressive.backend_mut().wait()?;
+            ticket = run.progressive.pick(at);
+        }
         run.progressive.backend_mut().wait()?;
         picks.push(ticket.and_then(|ticket| run.progressive.picked(ticket)).flatten());
     }
@@ -121,7 +128,8 @@ impl<'a> Run<'a> {
         let fields = settings.fields();
         let options = OpenOptions { threads: settings.threads, slow_read, fields, ..Default::default() };
         let stream = source::open(&settings.inputs, options);
-        let (backend, backend_name, notes) = make_backend(settings.backend, settings.method, settings.threads)?;
+        let (mut backend, backend_name, notes) = make_backend(settings.backend, settings.method, settings.threads)?;
+        backend.set_encoding(settings.encoding);
         let mut report = Report::new(settings, backend.info(), backend_name);
         report.notes = notes;
 
@@ -195,6 +203,9 @@ impl<'a> Run<'a> {
     fn take(&mut self, event: Event) -> Result<(), HeadlessError> {
         match event {
             Event::Opened(facts) => {
+                if self.settings.encoding == Some(Encoding::Packed) {
+                    Packing::of_scene(&facts.grid, &facts.bounds)?;
+                }
                 self.tally = Tally::new(facts.files.len());
                 self.progress.expect(facts.points_in_header());
                 self.report.notes.extend(facts.warnings.iter().cloned());
@@ -285,6 +296,7 @@ impl<'a> Run<'a> {
         let info = self.progressive.backend().info();
         report.method = info.method.to_string();
         report.choice.clone_from(&info.choice);
+        report.encoding = info.encoding;
         report.files = file_entries(self.facts.as_deref(), &self.tally, self.source.as_ref());
         report.points_in_header = report.files.iter().map(|f| f.points_in_header).sum();
         report.points_decoded = report.files.iter().map(|f| f.points_decoded).sum();

@@ -6,6 +6,7 @@ use super::{outputs::Outputs, progress::ProgressStyle};
 use crate::{
     render::{Camera, ColorBy, FillBudget, Look, RasterChoice, StoreOptions},
     source::Fields,
+    store::Encoding,
 };
 
 /// Points that a frame's fill tries on the way to the converged picture. Nobody watches, so frames may
@@ -61,6 +62,8 @@ pub struct Settings {
     pub camera: Option<Camera>,
     pub backend: BackendChoice,
     pub method: RasterChoice,
+    /// How positions are stored; `None`: as is best.
+    pub encoding: Option<Encoding>,
     /// Points that each frame's fill tries; by default [`CONVERGE_FILL`] or [`COUNTED_FILL`].
     pub fill: Option<u32>,
     pub look: Look,

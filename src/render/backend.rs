@@ -14,7 +14,7 @@ use super::{
 use crate::{
     device::{PassTimes, Passes, Raster, RenderError},
     scene::PointBatch,
-    store::Insertion,
+    store::{Encoding, Insertion, Packing},
 };
 
 /// Who draws.
@@ -26,6 +26,8 @@ pub struct BackendInfo {
     pub api: String,
     pub driver: String,
     pub method: Raster,
+    /// How positions are stored now.
+    pub encoding: Encoding,
     /// What speaks for the method; none on the processor.
     pub choice: Option<Choice>,
 }
@@ -141,8 +143,13 @@ pub trait Backend {
     /// How it sums up colours for high-quality shading.
     fn sums(&self) -> Sums;
 
-    /// Empties the store. `points` are to be expected (a hint for the size of pages).
-    fn reset(&mut self, points: u64);
+    /// How positions of scenes to come are stored; `None`: as is best for the device. A backend that has but one encoding
+    /// keeps it: no picture depends on it.
+    fn set_encoding(&mut self, _encoding: Option<Encoding>) {}
+
+    /// Empties the store. `points` are to be expected (a hint for the size of pages), in a box that this packing holds,
+    /// if there is one; some may lie outside.
+    fn reset(&mut self, points: u64, packing: Option<Packing>);
 
     /// Most insertions that may happen between two frames.
     fn insertions_per_frame(&self) -> usize;
@@ -180,7 +187,8 @@ pub trait Backend {
     }
 
     /// Asks which point the last frame shows at a pixel. Only [`Progressive`](super::Progressive) knows whether that
-    /// frame still stands. `None` if there is no such pixel.
+    /// frame still stands. `None` if there is no such pixel, or kernels are still being compiled, for which
+    /// [`Backend::wait`] waits.
     fn pick(&mut self, at: PickAt) -> Option<PickTicket>;
 
     /// The answer, once it is there; none of a point where none is near, or the question was given up. Never waits.
@@ -200,8 +208,11 @@ impl<B: Backend + ?Sized> Backend for Box<B> {
     fn sums(&self) -> Sums {
         (**self).sums()
     }
-    fn reset(&mut self, points: u64) {
-        (**self).reset(points);
+    fn set_encoding(&mut self, encoding: Option<Encoding>) {
+        (**self).set_encoding(encoding);
+    }
+    fn reset(&mut self, points: u64, packing: Option<Packing>) {
+        (**self).reset(points, packing);
     }
     fn insertions_per_frame(&self) -> usize {
         (**self).insertions_per_frame()

@@ -16,7 +16,7 @@ use super::{
 use crate::{
     device::{PassTimes, Passes, Raster, RenderError},
     scene::{ColorStats, PointBatch, SceneFacts},
-    store::{Coverage, Insertion, MAX_INSERTION_POINTS},
+    store::{Coverage, Insertion, MAX_INSERTION_POINTS, Packing},
 };
 
 /// A scene that grows while it is drawn.
@@ -120,7 +120,8 @@ impl<B: Backend> Progressive<B> {
 
     /// Starts a scene; an earlier one is dropped.
     pub fn open(&mut self, scene: Arc<SceneFacts>) {
-        self.backend.reset(scene.points_in_header().min(self.options.max_points));
+        let packing = Packing::of_scene(&scene.grid, &scene.bounds).ok();
+        self.backend.reset(scene.points_in_header().min(self.options.max_points), packing);
         self.stats = vec![ColorStats::default(); scene.files.len()];
         self.values = Values::new(scene.clone());
         self.colors_are_stale = true;
@@ -327,8 +328,8 @@ impl<B: Backend> Progressive<B> {
         }
     }
 
-    /// Asks which point the last frame shows at a pixel or near it. `None` if there is no such pixel, or no frame whose
-    /// points are still where it has seen them: ask again after the next.
+    /// Asks which point the last frame shows at a pixel or near it. `None` if there is no such pixel, no frame whose
+    /// points are still where it has seen them, or a kernel for it still to be compiled: ask again after the next frame.
     pub fn pick(&mut self, at: PickAt) -> Option<PickTicket> {
         let at = PickAt { reach: at.reach.min(MAX_REACH), ..at };
         if self.words_stand { self.backend.pick(at) } else { None }

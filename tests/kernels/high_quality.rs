@@ -10,7 +10,7 @@ use firstlight::{
         RenderError, Shading, Sums, View,
     },
     scene::{ColorRule, PointBatch},
-    store::Insertion,
+    store::{Insertion, Packing},
 };
 
 use crate::{
@@ -111,7 +111,7 @@ fn draw_all(backend: &mut Summing, cloud: &Cloud, view: View) -> (Vec<[u64; 4]>,
     let count = cloud.len() as u32;
     let request = unlit(high(FrameRequest { view, fill: FillBudget::Fixed(0), shading: Default::default() }));
     let target = backend.backend();
-    target.reset(count.into());
+    target.reset(count.into(), cloud.packing());
     target.insert(&Insertion::new(0, count, 3, 0), &cloud.batch(0..cloud.len())).unwrap();
     let plan = FramePlan {
         view,
@@ -393,8 +393,8 @@ impl Backend for Summing {
             Summing::Gpu(gpu) => gpu.sums(),
         }
     }
-    fn reset(&mut self, points: u64) {
-        self.backend().reset(points);
+    fn reset(&mut self, points: u64, packing: Option<Packing>) {
+        self.backend().reset(points, packing);
     }
     fn insertions_per_frame(&self) -> usize {
         // The same for all, so that all insert the same in each frame.

@@ -12,6 +12,7 @@ mod choice;
 mod cloud;
 mod colors;
 mod convergence;
+mod encoding;
 mod high_quality;
 mod pick;
 mod projection;

@@ -18,7 +18,10 @@ use super::{
     Averaging, Backend, BackendInfo, ColumnId, FramePlan, Keys, PassTimes, Pick, PickAt, PickTicket, Picture, Raster,
     RenderError, Sums, View, pick::Picks,
 };
-use crate::{scene::PointBatch, store::Insertion};
+use crate::{
+    scene::PointBatch,
+    store::{Encoding, Insertion, Packing},
+};
 
 /// The word of a pixel that no point covers.
 const BACKGROUND: u64 = u64::MAX;
@@ -62,7 +65,14 @@ impl CpuBackend {
         let threads = threads.unwrap_or_else(|| available_parallelism().map_or(1, usize::from)).max(1);
         let adapter = format!("CPU, {threads} {}", if threads == 1 { "thread" } else { "threads" });
         CpuBackend {
-            info: BackendInfo { adapter, api: "cpu".into(), driver: String::new(), method: Raster::Cpu, choice: None },
+            info: BackendInfo {
+                adapter,
+                api: "cpu".into(),
+                driver: String::new(),
+                method: Raster::Cpu,
+                encoding: Encoding::Wide,
+                choice: None,
+            },
             threads,
             store: PointStore::default(),
             visible: Vec::new(),
@@ -176,7 +186,7 @@ impl Backend for CpuBackend {
         Sums::Hqs
     }
 
-    fn reset(&mut self, _points: u64) {
+    fn reset(&mut self, _points: u64, _packing: Option<Packing>) {
         // No memory is set aside for the points announced: a header may promise any number of them.
         self.store = PointStore::default();
         self.columns = Columns::default();

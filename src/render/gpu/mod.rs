@@ -38,7 +38,7 @@ use crate::{
     },
     scene::PointBatch,
     store::{
-        Insertion,
+        Encoding, Insertion, Packing,
         gpu::{GpuStore, INSERTIONS_PER_FRAME},
     },
 };
@@ -54,6 +54,8 @@ pub struct GpuBackend {
     device: wgpu::Device,
     queue: wgpu::Queue,
     store: GpuStore,
+    /// Of scenes to come, where it fits.
+    encoding: Encoding,
     view: wgpu::Buffer,
     layouts: TargetLayouts,
     targets: Option<Targets>,
@@ -124,6 +126,7 @@ impl GpuBackend {
                 api: adapter.backend.to_str().to_owned(),
                 driver: format!("{} {}", adapter.driver, adapter.driver_info).trim().to_owned(),
                 method: candidate.method,
+                encoding: Encoding::default(),
                 choice: Some(chooser.first_choice(candidate)),
             },
             view: kernel::uniform(&device, "view", size_of::<View>() as u64),
@@ -136,9 +139,10 @@ impl GpuBackend {
             columns: Columns::new(&device, &queue, &layouts, &resolve.layout_colors),
             resolve,
             average: None,
-            picker: Picker::new(&device, &store.pages),
+            picker: Picker::new(&device),
             timer: FrameTimer::new(&device, &queue, adapter.device_type),
             store,
+            encoding: Encoding::default(),
             layouts,
             device,
             queue,
@@ -151,6 +155,28 @@ impl GpuBackend {
     /// the size of the picture changed.
     pub fn picture_buffer(&self) -> Option<(&wgpu::Buffer, [u32; 2])> {
         self.targets.as_ref().map(|targets| (&targets.picture, targets.size))
+    }
+
+    /// Makes anew what reads positions, if the store holds them in another encoding than at the last frame.
+    fn follow_encoding(&mut self) -> Result<(), RenderError> {
+        let encoding = self.store.pages.encoding();
+        if self.chooser.encoding == encoding {
+            return Ok(());
+        }
+        self.info.encoding = encoding;
+        self.chooser.set_encoding(encoding);
+        self.resolve.set_encoding(&self.device, &self.layouts, &self.store.pages);
+        // Its sums are those of a scene that is gone, or that has grown since.
+        self.average = None;
+        let candidate = self.info.choice.as_ref().map_or(Candidate::new(self.info.method), |choice| choice.candidate);
+        self.rasterizer = self.chooser.rasterizer(&self.device, &self.store, candidate);
+        if let (Rasterizer::Hardware(raster), Some(targets)) = (&mut self.rasterizer, &self.targets) {
+            let [width, height] = targets.size;
+            raster
+                .resize(&self.device, &self.view, &targets.words, targets.size)
+                .map_err(|detail| RenderError::NoMemoryForPicture { width, height, detail })?;
+        }
+        Ok(())
     }
 
     /// The store, for measuring with other settings than a viewer's.
@@ -260,8 +286,12 @@ impl Backend for GpuBackend {
         average::sums_for(&self.device, pixels.into())
     }
 
-    fn reset(&mut self, points: u64) {
-        self.store.reset(points);
+    fn set_encoding(&mut self, encoding: Option<Encoding>) {
+        self.encoding = encoding.unwrap_or_default();
+    }
+
+    fn reset(&mut self, points: u64, packing: Option<Packing>) {
+        self.store.reset(points, packing.filter(|_| self.encoding == Encoding::Packed));
         self.chooser.reset(points);
         self.columns.reset(points);
     }
@@ -315,6 +345,7 @@ impl Backend for GpuBackend {
     fn draw(&mut self, plan: &FramePlan) -> Result<(), RenderError> {
         self.check_device()?;
         self.resize([plan.view.width, plan.view.height])?;
+        self.follow_encoding()?;
         self.prepare_average(plan)?;
         let Some(targets) = self.targets.take() else { unreachable!("just made") };
         let mut encoder = self.device.create_command_encoder(&Default::default());
@@ -362,7 +393,7 @@ impl Backend for GpuBackend {
 
     fn pick(&mut self, at: PickAt) -> Option<PickTicket> {
         let targets = self.targets.as_ref().filter(|targets| (0..2).all(|a| at.pixel[a] < targets.size[a]))?;
-        Some(self.picker.ask(&self.device, &self.queue, targets, &self.store.pages, at))
+        self.picker.ask(&self.device, &self.queue, targets, &self.store.pages, at)
     }
 
     fn picked(&mut self, ticket: PickTicket) -> Option<Option<Pick>> {
@@ -372,11 +403,13 @@ impl Backend for GpuBackend {
     }
 
     fn wait(&mut self) -> Result<(), RenderError> {
+        self.picker.wait();
         device::wait(&self.device)?;
         self.check_device()
     }
 
     fn read(&mut self) -> Result<Picture, RenderError> {
+        self.follow_encoding()?;
         let Some(targets) = &self.targets else {
             return Ok(Picture { width: 0, height: 0, rgba: vec![], records: vec![], depth: vec![] });
         };
