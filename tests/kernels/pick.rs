@@ -19,7 +19,7 @@ fn asked(session: &mut Session, at: PickAt) -> Option<PickTicket> {
 
 /// The answer, waited for.
 fn picked(session: &mut Session, at: PickAt) -> Option<Pick> {
-    let ticket = session.progressive.pick(at).unwrap_or_else(|| panic!("{}: {at:?} is in no picture", session.name));
+    let ticket = asked(session, at).unwrap_or_else(|| panic!("{}: {at:?} is in no picture", session.name));
     session.progressive.backend_mut().wait().unwrap();
     session.progressive.picked(ticket).unwrap_or_else(|| panic!("{}: no answer after waiting", session.name))
 }
@@ -109,7 +109,7 @@ fn nothing_is_picked_where_the_words_no_longer_stand() {
         let request = request(&cloud, &cloud.camera(), 1, 3_000);
         session.converge(&request, |_| ());
         assert!(picked(&mut session, at).is_some(), "{}", session.name);
-        assert_eq!(session.progressive.pick(PickAt { pixel: [160, 60], reach: 4 }), None, "{}: outside", session.name);
+        assert_eq!(asked(&mut session, PickAt { pixel: [160, 60], reach: 4 }), None, "{}: outside", session.name);
         session.progressive.truth(&request).unwrap();
         assert_eq!(asked(&mut session, at), None, "{}: a picture aside", session.name);
         // Nothing changed, so nothing is drawn; but a move of the camera draws again.
