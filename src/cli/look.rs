@@ -20,6 +20,9 @@ pub struct LookArgs {
     /// (not with attributes that are neither rgb, intensity, elevation nor file)
     #[arg(long)]
     hq: bool,
+    /// Colour where no point is
+    #[arg(long, value_name = "#RRGGBB", value_parser = values::parse_color)]
+    background: Option<[u8; 3]>,
     /// Show only points whose attribute has one of these values: class=2,6 or class!=7 or elevation=10..55.5 or
     /// file=0; given several times, all must hold
     #[arg(long, value_name = "ATTRIBUTE=VALUES")]
@@ -113,7 +116,11 @@ impl LookArgs {
     pub fn look(&self, point_size: u32) -> Look {
         Look {
             point_size: self.point_size.unwrap_or(point_size),
-            shading: Shading { edl_strength: self.edl, high_quality: self.hq, ..Default::default() },
+            shading: Shading {
+                edl_strength: self.edl,
+                background: self.background.unwrap_or(Shading::default().background),
+                high_quality: self.hq,
+            },
             coloring: self.color.coloring(),
             filter: Filter { clauses: self.filter.clone() },
             clip: Clip { bounds: self.clip, slab: self.slab },

@@ -78,7 +78,7 @@ impl App {
             blit: Blit::new(&state.device, state.target_format),
             device: state.device.clone(),
             hand: Hand::default(),
-            probe: Probe::new(&state.device, &state.queue),
+            probe: Probe::default(),
             settings,
             messages: Messages::default(),
             size: [0, 0],
@@ -361,9 +361,8 @@ impl App {
         if picture.contains_pointer()
             && let Some(at) = ctx.input(|i| i.pointer.hover_pos())
             && let Some(navigation) = &self.scene.navigation
-            && let Some((words, size)) = self.scene.progressive.backend().words_buffer()
         {
-            self.probe.ask(words, size, input::pixel(ctx, picture, at), navigation);
+            self.probe.ask(&mut self.scene.progressive, input::pixel(ctx, picture, at), navigation);
         }
     }
 
@@ -450,8 +449,8 @@ impl eframe::App for App {
         if !ctx.egui_wants_keyboard_input() {
             asked = input::keys(&ctx, &mut self.settings);
         }
-        if let Some(touched) = self.probe.answer() {
-            self.hand.touched = touched;
+        if let Some(touched) = self.probe.answer(&mut self.scene.progressive) {
+            self.hand.touched = touched.map(|touched| touched.place);
         }
         if let Some(navigation) = &mut self.scene.navigation {
             navigation.resize(self.size);
