@@ -160,6 +160,13 @@ impl App {
             Request::Read(attribute) => self.scene.ask_for(attribute),
             Request::ForgetRecent => self.remembered.recent.clear(),
             Request::Screenshot(options) => self.begin_shot(options),
+            Request::CopyCommand => {
+                let size = self.share.size.unwrap_or(self.size);
+                if let Some(command) = models::command(&self.scene, &self.settings, size) {
+                    log::debug!("copied {command}");
+                    ctx.copy_text(command);
+                }
+            }
             Request::StopScreenshot => self.scene.shot = None,
             Request::ClearMessages => self.messages.clear(),
         }
@@ -215,6 +222,9 @@ impl App {
             }
             if i.consume_key(Modifiers::COMMAND, Key::O) {
                 requests.push(Request::Choose { what: Choose::Files, add });
+            }
+            if i.consume_key(ctrl_shift, Key::C) {
+                requests.push(Request::CopyCommand);
             }
             if i.consume_key(Modifiers::COMMAND, Key::S) {
                 self.share.window_size = self.size;
@@ -292,7 +302,7 @@ impl App {
         }
         let by_file = self.settings.look.coloring.by == Attribute::File.into();
         let files = models::files(&self.scene, &self.remembered.recent, by_file, self.on_wayland);
-        models::share(&mut self.share, &self.scene, self.size, self.writing.is_some());
+        models::share(&mut self.share, &self.scene, &self.settings, self.size, self.writing.is_some());
         let mut model = panels::Model {
             files: &files,
             colors: &self.spread.colors,

@@ -20,7 +20,8 @@ use super::{
     settings::{Section, Settings},
 };
 use crate::{
-    render::{Backend, ColorBy, Coloring, Legend, palette},
+    headless,
+    render::{Backend, ColorBy, Coloring, Legend, Look, palette},
     scene::{Attribute, FileFacts, SceneFacts},
 };
 
@@ -50,7 +51,7 @@ pub fn files(scene: &SceneState, recent: &[PathBuf], by_file: bool, on_wayland: 
             Row {
                 path: file.path.clone(),
                 kind: file.kind.clone(),
-                crs: None,
+                crs: file.crs.clone(),
                 points: file.points_in_header,
                 points_read,
                 state: state(loading, number, points_read < file.points_in_header),
@@ -95,9 +96,10 @@ pub fn measure(performance: &mut Performance, scene: &SceneState, device: &wgpu:
 }
 
 /// What the section about pictures has to know.
-pub fn share(share: &mut Share, scene: &SceneState, window_size: [u32; 2], is_writing: bool) {
+pub fn share(share: &mut Share, scene: &SceneState, settings: &Settings, window_size: [u32; 2], is_writing: bool) {
     share.window_size = window_size;
     share.has_scene = scene.navigation.is_some();
+    share.command = command(scene, settings, share.size.unwrap_or(window_size));
     let done = |(tried, stored): (u64, u64)| (tried as f32 / stored.max(1) as f32).min(1.0);
     share.taking = match &scene.shot {
         Some(_) => Some(scene.last_report.map_or(0.0, |report| {
@@ -106,6 +108,12 @@ pub fn share(share: &mut Share, scene: &SceneState, window_size: [u32; 2], is_wr
         })),
         None => is_writing.then_some(1.0),
     };
+}
+
+/// What makes this picture without a window.
+pub fn command(scene: &SceneState, settings: &Settings, size: [u32; 2]) -> Option<String> {
+    let look = Look { shading: settings.shading(), ..settings.look.clone() };
+    scene.navigation.as_ref().map(|navigation| headless::command(&look, navigation.camera(), size, scene.inputs()))
 }
 
 /// Histograms and counts are gone through this often at most while points arrive.

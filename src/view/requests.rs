@@ -28,6 +28,8 @@ pub enum Request {
     ForgetRecent,
     Screenshot(ShotOptions),
     StopScreenshot,
+    /// The command that makes this picture.
+    CopyCommand,
     ClearMessages,
 }
 

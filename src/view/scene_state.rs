@@ -332,6 +332,11 @@ impl SceneState {
         self.loading.as_ref()?.scene()
     }
 
+    /// What the user opened.
+    pub fn inputs(&self) -> &[PathBuf] {
+        &self.inputs
+    }
+
     pub fn fill_budget(&self) -> FillBudget {
         self.fill
     }
