@@ -6,7 +6,7 @@ use std::{
 };
 
 use eframe::{
-    egui::{self, Color32, Context, Event, Id, Key, Modifiers, Rect, Response, Sense, Ui},
+    egui::{self, Color32, Context, Event, FontId, Id, Key, Modifiers, Rect, Response, Sense, TextStyle, Ui},
     egui_wgpu::RenderState,
 };
 use glam::DVec3;
@@ -73,6 +73,9 @@ impl App {
         let software = state.adapter.get_info().device_type == wgpu::DeviceType::Cpu;
         let settings = Settings::new(&options, &remembered);
         ctx.set_theme(settings.theme.preference());
+        // egui's usual 9 points are hard to read.
+        let small = FontId::proportional(11.0);
+        ctx.all_styles_mut(|style| drop(style.text_styles.insert(TextStyle::Small, small.clone())));
         let mut app = App {
             scene: SceneState::new(backend, &options, software),
             blit: Blit::new(&state.device, state.target_format),
@@ -333,10 +336,10 @@ impl App {
             let background = self.settings.look.shading.background;
             overlay::invitation(ui, rect, waiting_for.as_deref(), background, self.on_wayland);
         }
-        if self.settings.legend {
-            if let Some(legend) = &self.spread.legend {
-                legend::show(ui, rect, legend);
-            }
+        if self.settings.legend
+            && let Some(legend) = &self.spread.legend
+        {
+            legend::show(ui, rect, legend);
         }
         if self.settings.help {
             help::show(ui.ctx(), &mut self.settings);

@@ -175,7 +175,7 @@ fn histogram(ui: &mut Ui, colors: &Colors, extent: [f64; 2], range: [f64; 2], ma
     let mut chosen = None;
     for (at, x) in [left, right].into_iter().enumerate() {
         let grip = Rect::from_center_size(pos2(x, bars.center().y), vec2(10.0, bars.height()));
-        let response = ui.interact(grip, ui.id().with(("range", at)), Sense::drag());
+        let response = ui.interact(grip, ui.scope_id().with(("range", at)), Sense::drag());
         let name = if at == 0 { "Value of the first colour" } else { "Value of the last colour" };
         response.widget_info(|| WidgetInfo::slider(true, range[at], name));
         let color =
