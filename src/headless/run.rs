@@ -10,12 +10,12 @@ use super::{
     outputs::{OutputError, picture_sha256, write_npy_f32, write_npy_i64, write_png},
     progress::{Progress, grouped},
     report::{Report, Seconds, Tally, file_entries, peak_memory_bytes},
-    settings::{BackendChoice, Settings, Stop},
+    settings::{BackendChoice, Settings, Stop, fields_of},
 };
 use crate::{
     render::{
-        Backend, CameraError, CpuBackend, FrameReport, FrameRequest, GpuBackend, Picture, Progressive, RasterChoice,
-        RenderError,
+        Backend, CameraError, CpuBackend, FrameReport, FrameRequest, GpuBackend, Pick, PickAt, Picture, Progressive,
+        RasterChoice, RenderError,
     },
     scene::{PointBatch, SceneFacts},
     source::{self, Event, OpenOptions, SourceError, SourceReport, Stream},
@@ -42,40 +42,39 @@ pub enum HeadlessError {
 /// Renders and writes all outputs. A damaged input still gives its picture, of the points that could
 /// be read; see [`Report::is_partial`].
 pub fn render(settings: &Settings) -> Result<Report, HeadlessError> {
-    // Reading starts first: a GPU takes a while to set up.
-    // What stops half-way repeats bit for bit: then the order of the points must not depend on the disk.
-    let slow_read = matches!(settings.stop, Stop::Frames(_) | Stop::Points(_)).then_some(Duration::MAX);
-    let fields = settings.fields();
-    let stream = source::open(
-        &settings.inputs,
-        OpenOptions { threads: settings.threads, slow_read, fields, ..Default::default() },
-    );
-    let (mut backend, backend_name, notes) = make_backend(settings.backend, settings.method, settings.threads)?;
-    backend.set_encoding(settings.encoding);
-    let mut report = Report::new(settings, backend.info(), backend_name);
-    report.notes = notes;
-
-    let mut run = Run {
-        settings,
-        progressive: Progressive::new(backend, settings.store_options()),
-        facts: None,
-        request: None,
-        tally: Tally::default(),
-        source: None,
-        out_of_memory: false,
-        depths_are_final: false,
-        progress: Progress::new(settings.progress),
-        seconds: Seconds::default(),
-        report,
-    };
-    let last_frame = run.draw_to_the_end(stream);
-    run.progress.finish();
-    let last_frame = last_frame?;
+    let (mut run, last_frame) = Run::of_all_points(settings)?;
     let picture = run.progressive.read()?;
     run.seconds.to_picture = Some(run.now());
     let report = run.into_report(last_frame, &picture);
     write_outputs(settings, &report, &picture)?;
     Ok(report)
+}
+
+/// What a picture shows at some pixels.
+pub struct Picked {
+    pub scene: Arc<SceneFacts>,
+    /// In the order of the questions.
+    pub picks: Vec<Option<Pick>>,
+    pub report: Report,
+}
+
+/// Renders without writing anything, and says which points are at these pixels, or near them.
+pub fn pick(settings: &Settings, questions: &[PickAt]) -> Result<Picked, HeadlessError> {
+    let (mut run, last_frame) = Run::of_all_points(settings)?;
+    let mut picks = Vec::new();
+    for &at in questions {
+        let mut ticket = run.progressive.pick(at);
+        if ticket.is_none() {
+            // For the kernels; outside of the picture there is nothing, now as then.
+            run.progressive.backend_mut().wait()?;
+            ticket = run.progressive.pick(at);
+        }
+        run.progressive.backend_mut().wait()?;
+        picks.push(ticket.and_then(|ticket| run.progressive.picked(ticket)).flatten());
+    }
+    let picture = run.progressive.read()?;
+    let scene = run.facts.clone().ok_or(HeadlessError::ReaderEnded)?;
+    Ok(Picked { scene, picks, report: run.into_report(last_frame, &picture) })
 }
 
 type AnyBackend = Box<dyn Backend>;
@@ -120,7 +119,39 @@ struct Run<'a> {
     report: Report,
 }
 
-impl Run<'_> {
+impl<'a> Run<'a> {
+    /// Reads everything and draws the frames up to the last, and says what that one did.
+    fn of_all_points(settings: &'a Settings) -> Result<(Run<'a>, FrameReport), HeadlessError> {
+        // Reading starts first: a GPU takes a while to set up.
+        // What stops half-way repeats bit for bit: then the order of the points must not depend on the disk.
+        let slow_read = matches!(settings.stop, Stop::Frames(_) | Stop::Points(_)).then_some(Duration::MAX);
+        let fields = fields_of(&settings.look);
+        let options = OpenOptions { threads: settings.threads, slow_read, fields, ..Default::default() };
+        let stream = source::open(&settings.inputs, options);
+        let (mut backend, backend_name, notes) = make_backend(settings.backend, settings.method, settings.threads)?;
+        backend.set_encoding(settings.encoding);
+        let mut report = Report::new(settings, backend.info(), backend_name);
+        report.notes = notes;
+
+        let mut run = Run {
+            settings,
+            progressive: Progressive::new(backend, settings.store_options()),
+            facts: None,
+            request: None,
+            tally: Tally::default(),
+            source: None,
+            out_of_memory: false,
+            depths_are_final: false,
+            progress: Progress::new(settings.progress),
+            seconds: Seconds::default(),
+            report,
+        };
+        run.progressive.set_filter(&settings.look.filter, &settings.look.clip);
+        let last_frame = run.draw_to_the_end(stream);
+        run.progress.finish();
+        Ok((run, last_frame?))
+    }
+
     /// Seconds since the program started.
     fn now(&self) -> f64 {
         Instant::now().duration_since(self.settings.started).as_secs_f64()
@@ -181,9 +212,10 @@ impl Run<'_> {
                 self.report.notes.extend(facts.warnings.iter().cloned());
                 let coloring = &self.settings.look.coloring;
                 self.report.notes.extend(coloring.absences(&facts));
+                self.report.notes.extend(self.settings.look.filter.absences(&facts));
                 self.progressive.open(facts.clone());
                 self.progressive.set_coloring(coloring);
-                self.progressive.carry(coloring.by.attribute().cloned());
+                self.progressive.carry(self.settings.look.attributes());
                 self.facts = Some(facts);
             }
             Event::Batch(batch) => {
@@ -271,6 +303,7 @@ impl Run<'_> {
         report.points_in_header = report.files.iter().map(|f| f.points_in_header).sum();
         report.points_decoded = report.files.iter().map(|f| f.points_decoded).sum();
         report.points_stored = self.progressive.points_stored();
+        report.points_shown = self.progressive.points_shown();
         report.read_to_end = self.source.is_some();
         report.points_missing = report.files.iter().map(|f| f.points_missing).sum();
         if self.out_of_memory {

@@ -9,6 +9,8 @@ use super::{
     choice::Choice,
     color::PointColors,
     column::{ColumnId, Keys},
+    filter::MaskRules,
+    pick::{Pick, PickAt, PickTicket},
 };
 use crate::{
     device::{PassTimes, Passes, Raster, RenderError},
@@ -47,6 +49,8 @@ pub struct FramePlan {
     pub colors: Arc<PointColors>,
     /// The second pass of high-quality shading; without, each pixel shows its front point.
     pub averaging: Option<Averaging>,
+    /// Hides the points that fail these tests; none: all are shown.
+    pub mask: Option<Arc<MaskRules>>,
     /// A picture for comparing while a scene converges: which slots were visible, which are fresh, and the sums stay
     /// as they were, and no method is measured. Only the words are overwritten: the next frame cannot keep them.
     pub aside: bool,
@@ -180,10 +184,23 @@ pub trait Backend {
     /// Times of the latest frame that the device has finished, if it can tell; each is returned once.
     fn pass_times(&mut self) -> Option<PassTimes>;
 
+    /// Points that the filter of the last frame shows, as soon as that is known; none without a filter.
+    fn points_shown(&mut self) -> Option<u64> {
+        None
+    }
+
     /// Measures now which of its methods is the fastest, instead of between frames, if that is due.
     fn choose(&mut self) -> Result<(), RenderError> {
         Ok(())
     }
+
+    /// Asks which point the last frame shows at a pixel. Only [`Progressive`](super::Progressive) knows whether that
+    /// frame still stands. `None` if there is no such pixel, or kernels are still being compiled, for which
+    /// [`Backend::wait`] waits.
+    fn pick(&mut self, at: PickAt) -> Option<PickTicket>;
+
+    /// The answer, once it is there; none of a point where none is near, or the question was given up. Never waits.
+    fn picked(&mut self, ticket: PickTicket) -> Option<Option<Pick>>;
 
     /// Waits until the last frame is drawn.
     fn wait(&mut self) -> Result<(), RenderError>;
@@ -229,8 +246,17 @@ impl<B: Backend + ?Sized> Backend for Box<B> {
     fn pass_times(&mut self) -> Option<PassTimes> {
         (**self).pass_times()
     }
+    fn points_shown(&mut self) -> Option<u64> {
+        (**self).points_shown()
+    }
     fn choose(&mut self) -> Result<(), RenderError> {
         (**self).choose()
+    }
+    fn pick(&mut self, at: PickAt) -> Option<PickTicket> {
+        (**self).pick(at)
+    }
+    fn picked(&mut self, ticket: PickTicket) -> Option<Option<Pick>> {
+        (**self).picked(ticket)
     }
     fn wait(&mut self) -> Result<(), RenderError> {
         (**self).wait()

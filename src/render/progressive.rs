@@ -10,6 +10,8 @@ use super::{
     color::PointColors,
     coloring::Coloring,
     frame::{FrameReport, FrameRequest, MAX_POINTS, Reprojection, StoreOptions},
+    pick::{MAX_REACH, Pick, PickAt, PickTicket},
+    selection::Selection,
     values::Values,
 };
 use crate::{
@@ -30,6 +32,7 @@ pub struct Progressive<B> {
     /// What comes of `coloring`, `stats` and `values`, unless these have changed since.
     pub(super) colors: Arc<PointColors>,
     pub(super) colors_are_stale: bool,
+    pub(super) selection: Selection,
     /// Batches not yet (wholly) staged; of the first, `taken` points are.
     queue: VecDeque<PointBatch>,
     taken: usize,
@@ -37,7 +40,7 @@ pub struct Progressive<B> {
     staged: PointBatch,
     input_ended: bool,
     insertions: u64,
-    stored: u32,
+    pub(super) stored: u32,
     coverage: Coverage,
     /// Points moved to other slots after the points tried had been compared by them. Among points of
     /// equal depth in a pixel (duplicates, level ground from above) the lowest slot wins; if the
@@ -58,6 +61,8 @@ pub struct Progressive<B> {
     last_colors: Option<Arc<PointColors>>,
     /// The words of the last frame are those of a picture aside.
     words_are_gone: bool,
+    /// The words of the last frame, whose points are still in the slots that they name.
+    words_stand: bool,
 }
 
 impl<B: Backend> Progressive<B> {
@@ -73,6 +78,7 @@ impl<B: Backend> Progressive<B> {
             values: Values::default(),
             colors: Arc::new(Vec::new().into()),
             colors_are_stale: false,
+            selection: Selection::default(),
             queue: VecDeque::new(),
             taken: 0,
             spent: Vec::new(),
@@ -94,6 +100,7 @@ impl<B: Backend> Progressive<B> {
             last_shading: None,
             last_colors: None,
             words_are_gone: false,
+            words_stand: false,
         }
     }
 
@@ -134,6 +141,8 @@ impl<B: Backend> Progressive<B> {
         self.undrawn = 0;
         self.memory_full = false;
         self.last_view = None;
+        self.selection.is_stale = true;
+        self.words_stand = false;
     }
 
     /// True if the next frame could insert more points than are waiting.
@@ -212,6 +221,7 @@ impl<B: Backend> Progressive<B> {
             self.last_times = Some(times);
         }
         // Before points fill the memory.
+        self.words_stand &= self.last_view.is_some_and(|view| view.has_size_of(&request.view));
         self.backend.resize([request.view.width, request.view.height])?;
         let start = Instant::now();
         let limit = self.backend.insertions_per_frame() - self.undrawn;
@@ -220,12 +230,14 @@ impl<B: Backend> Progressive<B> {
         self.insert_waiting(self.budget.insertions(request.fill, limit))?;
         self.insert_secs = start.elapsed().as_secs_f64();
         if let Some(refusal) = self.values.take_refusal() {
+            self.selection.is_stale = true;
             return Err(refusal);
         }
         if self.is_loaded() {
             self.values.end_carrying();
         }
         self.refresh_colors();
+        self.refresh_mask();
         if self.unsettled && self.is_loaded() {
             self.restart();
         }
@@ -248,6 +260,7 @@ impl<B: Backend> Progressive<B> {
     pub fn brute_force(&mut self, request: &FrameRequest) -> Result<FrameReport, RenderError> {
         self.insert_waiting(self.backend.insertions_per_frame() - self.undrawn)?;
         self.refresh_colors();
+        self.refresh_mask();
         self.coverage = Coverage::default();
         self.unsettled = false;
         self.averages = Averages::default();
@@ -269,6 +282,7 @@ impl<B: Backend> Progressive<B> {
         let fill = [0..self.stored, 0..0];
         let plan = FramePlan { aside: true, reproject: false, fresh: false, fill, ..self.empty_plan(request) };
         self.words_are_gone = true;
+        self.words_stand = false;
         self.backend.draw(&plan)?;
         let picture = self.backend.read()?;
         // Its times are none of a frame's: the budget must not learn from them.
@@ -317,8 +331,22 @@ impl<B: Backend> Progressive<B> {
             shading: request.shading,
             colors: self.colors.clone(),
             averaging: None,
+            mask: self.selection.mask.clone(),
             aside: false,
         }
+    }
+
+    /// Asks which point the last frame shows at a pixel or near it. `None` if there is no such pixel, no frame whose
+    /// points are still where it has seen them, or a kernel for it still to be compiled: ask again after the next frame.
+    pub fn pick(&mut self, at: PickAt) -> Option<PickTicket> {
+        let at = PickAt { reach: at.reach.min(MAX_REACH), ..at };
+        if self.words_stand { self.backend.pick(at) } else { None }
+    }
+
+    /// The answer to a question, once it is there: on a GPU some milliseconds later, but never waited for. None of a
+    /// point where only background is near, or where eight younger questions were asked.
+    pub fn picked(&mut self, ticket: PickTicket) -> Option<Option<Pick>> {
+        self.backend.picked(ticket)
     }
 
     /// Brings the last frame back.
@@ -329,7 +357,9 @@ impl<B: Backend> Progressive<B> {
     fn draw(&mut self, plan: &FramePlan) -> Result<(), RenderError> {
         // If the frame fails, nothing of it counts as tried or shown.
         self.last_view = None;
+        self.words_stand = false;
         self.backend.draw(plan)?;
+        self.words_stand = true;
         self.undrawn = 0;
         self.last_view = Some(plan.view);
         self.last_shading = Some(plan.shading);
@@ -352,7 +382,7 @@ impl<B: Backend> Progressive<B> {
     }
 
     /// Tries all points again, whatever was tried before.
-    fn restart(&mut self) {
+    pub(super) fn restart(&mut self) {
         self.coverage.restart();
         self.unsettled = false;
         self.averages.invalidate();
@@ -379,6 +409,7 @@ impl<B: Backend> Progressive<B> {
                 return Err(error);
             }
             self.staged.clear();
+            self.words_stand = false;
             self.undrawn += 1;
             self.unsettled |= self.stored > 0;
             self.coverage.note_inserted(self.stored, count);

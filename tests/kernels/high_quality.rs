@@ -6,8 +6,8 @@ use std::sync::Arc;
 use firstlight::{
     render::{
         AVERAGED_DEPTH, Averaging, Backend, BackendInfo, Camera, ColumnId, CpuBackend, FileColor, FillBudget,
-        FramePlan, FrameRequest, GpuBackend, Keys, PassTimes, Picture, Progressive, Raster, RenderError, Shading, Sums,
-        View,
+        FramePlan, FrameRequest, GpuBackend, Keys, PassTimes, Pick, PickAt, PickTicket, Picture, Progressive, Raster,
+        RenderError, Shading, Sums, View,
     },
     scene::{ColorRule, PointBatch},
     store::{Insertion, Packing},
@@ -122,6 +122,7 @@ fn draw_all(backend: &mut Summing, cloud: &Cloud, view: View) -> (Vec<[u64; 4]>,
         shading: request.shading,
         colors: Arc::new(vec![FileColor::new(0, ColorRule::Rgb16)].into()),
         averaging: Some(Averaging { begins: true, lists: false, slots: [0..count, 0..0] }),
+        mask: None,
         aside: false,
     };
     target.draw(&plan).unwrap();
@@ -420,6 +421,12 @@ impl Backend for Summing {
     }
     fn pass_times(&mut self) -> Option<PassTimes> {
         self.backend().pass_times()
+    }
+    fn pick(&mut self, at: PickAt) -> Option<PickTicket> {
+        self.backend().pick(at)
+    }
+    fn picked(&mut self, ticket: PickTicket) -> Option<Option<Pick>> {
+        self.backend().picked(ticket)
     }
     fn wait(&mut self) -> Result<(), RenderError> {
         self.backend().wait()
