@@ -74,6 +74,7 @@ pub fn render(settings: &Settings) -> Result<Report, HeadlessError> {
     let last_frame = last_frame?;
     let picture = run.progressive.read()?;
     run.seconds.to_picture = Some(run.now());
+    run.report.points_shown = run.progressive.wait_for_points_shown()?;
     let report = run.into_report(last_frame, &picture);
     write_outputs(settings, &report, &picture)?;
     Ok(report)
@@ -273,7 +274,6 @@ impl Run<'_> {
         report.points_in_header = report.files.iter().map(|f| f.points_in_header).sum();
         report.points_decoded = report.files.iter().map(|f| f.points_decoded).sum();
         report.points_stored = self.progressive.points_stored();
-        report.points_shown = self.progressive.points_shown();
         report.read_to_end = self.source.is_some();
         report.points_missing = report.files.iter().map(|f| f.points_missing).sum();
         if self.out_of_memory {
