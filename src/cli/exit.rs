@@ -8,6 +8,7 @@ use crate::{
     },
     methods::MethodError,
     render::RenderError,
+    source::RecordError,
     synth::SynthError,
     view::ViewError,
 };
@@ -52,6 +53,8 @@ pub enum CliError {
     #[error("{error}; {help}")]
     NoDevice { error: RenderError, help: &'static str },
     #[error(transparent)]
+    Record(#[from] RecordError),
+    #[error(transparent)]
     Synth(#[from] SynthError),
     #[error(transparent)]
     View(#[from] ViewError),
@@ -80,6 +83,8 @@ impl CliError {
                 HeadlessError::Render(RenderError::DeviceLost(_)) | HeadlessError::ReaderEnded => ExitStatus::Internal,
                 HeadlessError::Render(_) => ExitStatus::Device,
             },
+            CliError::Record(RecordError::OutOfRange { .. }) => ExitStatus::Usage,
+            CliError::Record(_) => ExitStatus::Input,
             CliError::Synth(SynthError::Io { .. } | SynthError::Compress { .. }) => ExitStatus::Output,
             CliError::Synth(_) => ExitStatus::Usage,
             CliError::NoDevice { .. } | CliError::View(_) => ExitStatus::Device,

@@ -100,6 +100,16 @@ pub fn parse_size(text: &str) -> Result<[u32; 2], String> {
     Ok([width, height])
 }
 
+/// `800,450`: column and row of a pixel.
+pub fn parse_pixel(text: &str) -> Result<[u32; 2], String> {
+    let wrong = || format!("expected COLUMN,ROW of a pixel, such as 800,450, found `{text}`");
+    let (x, y) = text.split_once(',').ok_or_else(wrong)?;
+    match [x, y].map(|n| n.trim().parse::<u32>()) {
+        [Ok(x), Ok(y)] => Ok([x, y]),
+        _ => Err(wrong()),
+    }
+}
+
 /// `converged`, `frames=N` or `points=N`.
 pub fn parse_stop(text: &str) -> Result<Stop, String> {
     let wrong = || format!("expected converged, frames=N or points=N, found `{text}`");
@@ -277,6 +287,14 @@ mod tests {
         assert_eq!(parse_size("1600x900"), Ok([1600, 900]));
         for text in ["", "1600", "0x5", "5x0", "-1x5", "1600x", "99999x99999", "4294967297x1"] {
             assert!(parse_size(text).is_err(), "{text}");
+        }
+        assert_eq!((parse_color("#ff8000"), parse_color("0102ff")), (Ok([255, 128, 0]), Ok([1, 2, 255])));
+        for text in ["", "#", "#fff", "#ff80001", "#+f8000", "red"] {
+            assert!(parse_color(text).is_err(), "{text}");
+        }
+        assert_eq!(parse_pixel("800, 450"), Ok([800, 450]));
+        for text in ["", "800", "800x450", "-1,0", "1,2,3", "1.5,2"] {
+            assert!(parse_pixel(text).is_err(), "{text}");
         }
         assert_eq!(parse_stop("frames=5"), Ok(Stop::Frames(5)));
         assert_eq!(parse_stop("points=1M"), Ok(Stop::Points(1_000_000)));

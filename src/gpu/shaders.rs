@@ -203,13 +203,14 @@ shader!(
     "sums_64",
     "resolve_average"
 );
+shader!(PICK, NOTHING, "page", "points", "pick");
 shader!(COLUMN, NOTHING, "group", "project", "column_page", "column");
 shader!(FILL_COLUMN, NOTHING, "group", "column_page", "fill_column");
 shader!(LIGHT, NOTHING, "group", "project", "light");
 shader!(COPY, NOTHING, "group", "methods/copy");
 
 /// All modules, for the tests.
-pub const ALL: [&Shader; 25] = [
+pub const ALL: [&Shader; 26] = [
     &INSERT,
     &MOVE,
     &WIDEN,
@@ -231,6 +232,7 @@ pub const ALL: [&Shader; 25] = [
     &AVERAGE_64,
     &RESOLVE_32,
     &RESOLVE_64,
+    &PICK,
     &COLUMN,
     &FILL_COLUMN,
     &LIGHT,

@@ -14,8 +14,8 @@ use super::{
 };
 use crate::{
     render::{
-        Backend, CameraError, CpuBackend, FrameReport, FrameRequest, GpuBackend, Picture, Progressive, RasterChoice,
-        RenderError,
+        Backend, CameraError, CpuBackend, FrameReport, FrameRequest, GpuBackend, Pick, PickAt, Picture, Progressive,
+        RasterChoice, RenderError,
     },
     scene::{PointBatch, SceneFacts},
     source::{self, Event, OpenOptions, SourceError, SourceReport, Stream},
@@ -42,42 +42,40 @@ pub enum HeadlessError {
 /// Renders and writes all outputs. A damaged input still gives its picture, of the points that could
 /// be read; see [`Report::is_partial`].
 pub fn render(settings: &Settings) -> Result<Report, HeadlessError> {
-    // Reading starts first: a GPU takes a while to set up.
-    // What stops half-way repeats bit for bit: then the order of the points must not depend on the disk.
-    let slow_read = matches!(settings.stop, Stop::Frames(_) | Stop::Points(_)).then_some(Duration::MAX);
-    let fields = fields_of(&settings.look);
-    let stream = source::open(
-        &settings.inputs,
-        OpenOptions { threads: settings.threads, slow_read, fields, ..Default::default() },
-    );
-    let (mut backend, backend_name, notes) = make_backend(settings.backend, settings.method, settings.threads)?;
-    backend.set_encoding(settings.encoding);
-    let mut report = Report::new(settings, backend.info(), backend_name);
-    report.notes = notes;
-
-    let mut run = Run {
-        settings,
-        progressive: Progressive::new(backend, settings.store_options()),
-        facts: None,
-        request: None,
-        tally: Tally::default(),
-        source: None,
-        out_of_memory: false,
-        depths_are_final: false,
-        progress: Progress::new(settings.progress),
-        seconds: Seconds::default(),
-        report,
-    };
-    run.progressive.set_filter(&settings.look.filter, &settings.look.clip);
-    let last_frame = run.draw_to_the_end(stream);
-    run.progress.finish();
-    let last_frame = last_frame?;
+    let (mut run, last_frame) = Run::of_all_points(settings)?;
     let picture = run.progressive.read()?;
     run.seconds.to_picture = Some(run.now());
     run.report.points_shown = run.progressive.wait_for_points_shown()?;
     let report = run.into_report(last_frame, &picture);
     write_outputs(settings, &report, &picture)?;
     Ok(report)
+}
+
+/// What a picture shows at some pixels.
+pub struct Picked {
+    pub scene: Arc<SceneFacts>,
+    /// In the order of the questions.
+    pub picks: Vec<Option<Pick>>,
+    pub report: Report,
+}
+
+/// Renders without writing anything, and says which points are at these pixels, or near them.
+pub fn pick(settings: &Settings, questions: &[PickAt]) -> Result<Picked, HeadlessError> {
+    let (mut run, last_frame) = Run::of_all_points(settings)?;
+    let mut picks = Vec::new();
+    for &at in questions {
+        let mut ticket = run.progressive.pick(at);
+        if ticket.is_none() {
+            // For the kernels; outside of the picture there is nothing, now as then.
+            run.progressive.backend_mut().wait()?;
+            ticket = run.progressive.pick(at);
+        }
+        run.progressive.backend_mut().wait()?;
+        picks.push(ticket.and_then(|ticket| run.progressive.picked(ticket)).flatten());
+    }
+    let picture = run.progressive.read()?;
+    let scene = run.facts.clone().ok_or(HeadlessError::ReaderEnded)?;
+    Ok(Picked { scene, picks, report: run.into_report(last_frame, &picture) })
 }
 
 type AnyBackend = Box<dyn Backend>;
@@ -122,7 +120,39 @@ struct Run<'a> {
     report: Report,
 }
 
-impl Run<'_> {
+impl<'a> Run<'a> {
+    /// Reads everything and draws the frames up to the last, and says what that one did.
+    fn of_all_points(settings: &'a Settings) -> Result<(Run<'a>, FrameReport), HeadlessError> {
+        // Reading starts first: a GPU takes a while to set up.
+        // What stops half-way repeats bit for bit: then the order of the points must not depend on the disk.
+        let slow_read = matches!(settings.stop, Stop::Frames(_) | Stop::Points(_)).then_some(Duration::MAX);
+        let fields = fields_of(&settings.look);
+        let options = OpenOptions { threads: settings.threads, slow_read, fields, ..Default::default() };
+        let stream = source::open(&settings.inputs, options);
+        let (mut backend, backend_name, notes) = make_backend(settings.backend, settings.method, settings.threads)?;
+        backend.set_encoding(settings.encoding);
+        let mut report = Report::new(settings, backend.info(), backend_name);
+        report.notes = notes;
+
+        let mut run = Run {
+            settings,
+            progressive: Progressive::new(backend, settings.store_options()),
+            facts: None,
+            request: None,
+            tally: Tally::default(),
+            source: None,
+            out_of_memory: false,
+            depths_are_final: false,
+            progress: Progress::new(settings.progress),
+            seconds: Seconds::default(),
+            report,
+        };
+        run.progressive.set_filter(&settings.look.filter, &settings.look.clip);
+        let last_frame = run.draw_to_the_end(stream);
+        run.progress.finish();
+        Ok((run, last_frame?))
+    }
+
     /// Seconds since the program started.
     fn now(&self) -> f64 {
         Instant::now().duration_since(self.settings.started).as_secs_f64()

@@ -10,6 +10,7 @@ use super::{
     color::PointColors,
     column::{ColumnId, Keys},
     filter::MaskRules,
+    pick::{Pick, PickAt, PickTicket},
 };
 use crate::{
     device::{PassTimes, Passes, Raster, RenderError},
@@ -193,6 +194,14 @@ pub trait Backend {
         Ok(())
     }
 
+    /// Asks which point the last frame shows at a pixel. Only [`Progressive`](super::Progressive) knows whether that
+    /// frame still stands. `None` if there is no such pixel, or kernels are still being compiled, for which
+    /// [`Backend::wait`] waits.
+    fn pick(&mut self, at: PickAt) -> Option<PickTicket>;
+
+    /// The answer, once it is there; none of a point where none is near, or the question was given up. Never waits.
+    fn picked(&mut self, ticket: PickTicket) -> Option<Option<Pick>>;
+
     /// Waits until the last frame is drawn.
     fn wait(&mut self) -> Result<(), RenderError>;
 
@@ -242,6 +251,12 @@ impl<B: Backend + ?Sized> Backend for Box<B> {
     }
     fn choose(&mut self) -> Result<(), RenderError> {
         (**self).choose()
+    }
+    fn pick(&mut self, at: PickAt) -> Option<PickTicket> {
+        (**self).pick(at)
+    }
+    fn picked(&mut self, ticket: PickTicket) -> Option<Option<Pick>> {
+        (**self).picked(ticket)
     }
     fn wait(&mut self) -> Result<(), RenderError> {
         (**self).wait()

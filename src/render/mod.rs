@@ -27,6 +27,7 @@ mod keys;
 mod legend;
 mod look;
 mod paint;
+mod pick;
 mod progressive;
 mod progressive_values;
 mod scale;
@@ -51,10 +52,11 @@ pub use filter::{
     Clause, ClauseError, Clip, ClipBox, ClipError, Filter, Key, MaskRules, Place, Slab, Test, Values, ValuesError,
 };
 pub use frame::{FrameReport, FrameRequest, INSERTION_POINTS, Reprojection, StoreOptions};
-pub use gpu::{ColorTablesUniform, ColumnScaleUniform, GpuBackend, ShadingUniform};
+pub use gpu::{ColorTablesUniform, ColumnScaleUniform, GpuBackend, PickWords, ShadingUniform};
 pub use histogram::{AttributeStats, Histogram};
 pub use legend::{Legend, LegendClass, LegendKey, Tick};
 pub use look::Look;
+pub use pick::{MAX_REACH, Pick, PickAt, PickTicket};
 pub use progressive::Progressive;
 pub use scale::{Scale, Transfer, key_of, value_of};
 pub use shading::{AVERAGED_DEPTH, EDL_GAIN, MOST_FRAGMENTS};

@@ -61,6 +61,11 @@ impl Navigation {
         self.pull_in();
     }
 
+    /// Takes over a camera from elsewhere.
+    pub fn set_camera(&mut self, camera: Camera) {
+        self.camera = camera;
+    }
+
     /// Turns around the pivot, as if the mouse held the scene's near side: the height of the picture
     /// is half a turn. Straight down and straight up are the ends, so nothing ever flips over.
     pub fn orbit(&mut self, moved: DVec2) {

@@ -14,11 +14,15 @@ use super::{
     messages::{Messages, Severity},
     navigation::Navigation,
     rereading::Rereading,
+    screenshot::ShotOptions,
     settings::Settings,
 };
 use crate::{
-    render::{FillBudget, FrameReport, FrameRequest, GpuBackend, Progressive, RenderError, StoreOptions, View},
-    scene::SceneFacts,
+    render::{
+        Backend, CameraError, FillBudget, FrameReport, FrameRequest, GpuBackend, Picture, Progressive, RenderError,
+        StoreOptions, View,
+    },
+    scene::{Attribute, SceneFacts},
 };
 
 /// Time that a frame may spend on taking batches from the decoders.
@@ -34,7 +38,9 @@ pub struct SceneState {
     /// The scene on screen.
     pub loading: Option<Loading>,
     /// The one that replaces it as soon as its headers are read.
-    pub incoming: Option<(Loading, Vec<PathBuf>)>,
+    pub incoming: Option<Incoming>,
+    /// What the user opened.
+    inputs: Vec<PathBuf>,
     /// Where the user looks from; none before a scene's headers are read.
     pub navigation: Option<Navigation>,
     pub last_report: Option<FrameReport>,
@@ -44,6 +50,29 @@ pub struct SceneState {
     pub rereading: Rereading,
     /// Size of the picture that could not be drawn; another may do.
     undrawable: Option<([u32; 2], bool, bool)>,
+    /// The picture that is being taken for a file.
+    pub shot: Option<ShotOptions>,
+    /// Attributes that the panel asks for, besides those of the look.
+    asked: Vec<Attribute>,
+}
+
+/// A scene whose headers are being read.
+pub struct Incoming {
+    loading: Loading,
+    pub inputs: Vec<PathBuf>,
+    /// The camera stays where it is.
+    keeps_view: bool,
+}
+
+/// What [`SceneState::take_incoming`] found.
+#[derive(Debug, PartialEq, Eq)]
+pub enum Taken {
+    Nothing,
+    /// A scene has replaced the last one. `keeps_view`: by the same files and others, or fewer.
+    Scene {
+        inputs: Vec<PathBuf>,
+        keeps_view: bool,
+    },
 }
 
 /// What [`SceneState::advance`] did.
@@ -64,30 +93,55 @@ impl SceneState {
             progressive,
             loading: None,
             incoming: None,
+            inputs: Vec::new(),
             navigation: None,
             last_report: None,
             fill: options.fill.map_or(target, FillBudget::Fixed),
             threads: options.threads,
             rereading: Rereading::default(),
             undrawable: None,
+            shot: None,
+            asked: Vec::new(),
         }
     }
 
-    /// Starts to read; what is on screen stays until the new headers are known.
-    pub fn open(&mut self, ctx: &Context, inputs: Vec<PathBuf>, settings: &Settings) {
+    /// Starts to read; what is on screen stays until the new headers are known. Files that are added are read together
+    /// with those on screen, all of them anew: scenes have one grid.
+    pub fn open(&mut self, ctx: &Context, inputs: Vec<PathBuf>, add: bool, settings: &Settings) {
+        if !add || self.loading.is_none() {
+            return self.start(ctx, inputs, false, settings);
+        }
+        let mut all = self.inputs.clone();
+        all.extend(inputs.into_iter().filter(|input| !self.inputs.contains(input)));
+        self.start(ctx, all, true, settings);
+    }
+
+    /// Takes one file away; the others are read anew.
+    pub fn close_file(&mut self, ctx: &Context, file: usize, settings: &Settings) {
+        let Some(scene) = self.loading.as_ref().and_then(Loading::scene) else { return };
+        // A folder is no more than its files from here on.
+        let others = scene.files.iter().enumerate().filter(|(i, _)| *i != file);
+        let others: Vec<PathBuf> = others.map(|(_, file)| file.path.clone()).collect();
+        if !others.is_empty() {
+            self.start(ctx, others, true, settings);
+        }
+    }
+
+    fn start(&mut self, ctx: &Context, inputs: Vec<PathBuf>, keeps_view: bool, settings: &Settings) {
         let ctx = ctx.clone();
         let wake = Arc::new(move || ctx.request_repaint());
         let carried = settings.look.attributes();
-        self.incoming = Some((Loading::start(&inputs, self.threads, carried, wake), inputs));
+        let loading = Loading::start(&inputs, self.threads, carried, wake);
+        self.incoming = Some(Incoming { loading, inputs, keeps_view });
     }
 
     /// Takes over the incoming scene once its headers are read.
-    pub fn take_incoming(&mut self, ctx: &Context, messages: &mut Messages, size: [u32; 2]) {
+    pub fn take_incoming(&mut self, ctx: &Context, messages: &mut Messages, size: [u32; 2]) -> Taken {
         // The first camera is chosen for the window's shape.
         if size.contains(&0) {
-            return;
+            return Taken::Nothing;
         }
-        let Some((loading, inputs)) = &mut self.incoming else { return };
+        let Some(Incoming { loading, inputs, .. }) = &mut self.incoming else { return Taken::Nothing };
         match loading.take_first() {
             First::Nothing => {}
             First::Failed(error) => {
@@ -104,14 +158,40 @@ impl SceneState {
                 }
                 let title = format!("{} – firstlight", title(&scene, inputs));
                 ctx.send_viewport_cmd(ViewportCommand::Title(title));
-                self.navigation = Some(Navigation::new(scene.grid, &scene.bounds, size));
+                let mut navigation = Navigation::new(scene.grid, &scene.bounds, size);
                 self.progressive.open(scene);
                 self.progressive.carry(loading.carried.iter().cloned());
                 self.rereading = Rereading::default();
+                self.asked.clear();
                 self.undrawable = None;
                 self.last_report = None;
-                self.loading = self.incoming.take().map(|(loading, _)| loading);
+                self.shot = None;
+                if let Some(Incoming { loading, inputs, keeps_view }) = self.incoming.take() {
+                    if let Some(before) = self.navigation.as_ref().filter(|_| keeps_view) {
+                        navigation.set_camera(*before.camera());
+                    }
+                    self.navigation = Some(navigation);
+                    self.loading = Some(loading);
+                    self.inputs.clone_from(&inputs);
+                    return Taken::Scene { inputs, keeps_view };
+                }
             }
+        }
+        Taken::Nothing
+    }
+
+    /// Reads the values of one more attribute.
+    pub fn ask_for(&mut self, attribute: Attribute) {
+        if !self.asked.contains(&attribute) {
+            self.asked.push(attribute);
+        }
+    }
+
+    /// Stops reading; what is read stays.
+    pub fn stop_reading(&mut self) {
+        if let Some(loading) = self.loading.as_mut().filter(|loading| loading.is_running()) {
+            loading.stop();
+            self.progressive.end_of_input();
         }
     }
 
@@ -144,7 +224,8 @@ impl SceneState {
             self.progressive.set_coloring(&settings.look.coloring);
             self.say_absences(messages, settings);
         }
-        let wanted = settings.look.attributes();
+        let mut wanted = settings.look.attributes();
+        wanted.extend(self.asked.iter().filter(|asked| !wanted.contains(asked)).cloned().collect::<Vec<_>>());
         let wake = || {
             let ctx = ctx.clone();
             Arc::new(move || ctx.request_repaint()) as Arc<dyn Fn() + Send + Sync>
@@ -169,14 +250,29 @@ impl SceneState {
     }
 
     /// Lets points in and draws.
-    pub fn advance(&mut self, ctx: &Context, messages: &mut Messages, settings: &Settings, size: [u32; 2]) -> Advance {
+    pub fn advance(
+        &mut self,
+        ctx: &Context,
+        messages: &mut Messages,
+        settings: &Settings,
+        window_size: [u32; 2],
+    ) -> Advance {
         let mut again = self.take_points(messages);
         again |= self.take_values(ctx, messages, settings);
+        let size = self.shot.as_ref().filter(|shot| shot.wait).map_or(window_size, |shot| shot.size);
         let key = (size, settings.look.shading.high_quality, settings.look.shows_all());
         if size.contains(&0) || self.undrawable == Some(key) {
             return Advance { again, drawn: false };
         }
-        let Some(view) = self.view(settings, size) else { return Advance { again, drawn: false } };
+        let view = match self.view(settings, size) {
+            Ok(Some(view)) => view,
+            Ok(None) => return Advance { again, drawn: false },
+            // Navigation keeps its camera usable; if it ever fails to, the last picture stays.
+            Err(error) => {
+                messages.add(Severity::Error, sentence(&error.to_string()));
+                return Advance { again, drawn: false };
+            }
+        };
         let shading = settings.shading();
         self.progressive.set_filter(&settings.look.filter, &settings.look.clip);
         match self.progressive.frame(&FrameRequest { view, fill: self.fill, shading }) {
@@ -188,7 +284,7 @@ impl SceneState {
                 // What is stored is still there to be shown.
                 let again =
                     again | matches!(error, RenderError::OutOfMemory { .. } | RenderError::NoMemoryForValues { .. });
-                if !again {
+                if !again && self.shot.take().is_none() {
                     self.undrawable = Some(key);
                 }
                 messages.add(Severity::Error, sentence(&error.to_string()));
@@ -197,11 +293,48 @@ impl SceneState {
         }
     }
 
-    /// What the camera sees. Navigation keeps its camera usable; if it ever fails to, the last picture stays.
-    pub fn view(&self, settings: &Settings, size: [u32; 2]) -> Option<View> {
-        let navigation = self.navigation.as_ref()?;
-        let view = navigation.camera().view(navigation.grid(), size, settings.look.point_size);
-        view.inspect_err(|error| log::error!("{error}")).ok()
+    /// The picture that is being taken, once it is as it was asked for.
+    pub fn take_shot(&mut self, settings: &Settings) -> Option<(ShotOptions, Result<Picture, String>)> {
+        let shot = self.shot.as_ref()?;
+        let is_shown = self.picture().is_some_and(|(_, size)| size == shot.size) && self.last_report.is_some();
+        if shot.wait {
+            let is_final = self.last_report.is_some_and(|report| report.is_converged()) && !self.is_loading();
+            if !(is_final && is_shown && self.rereading.progress().is_none()) {
+                return None;
+            }
+        }
+        let shot = self.shot.take()?;
+        let picture = if is_shown {
+            self.progressive.read().map_err(|error| error.to_string())
+        } else {
+            self.whole_picture(settings, shot.size)
+        };
+        Some((shot, picture))
+    }
+
+    /// All points stored, at another size.
+    fn whole_picture(&mut self, settings: &Settings, size: [u32; 2]) -> Result<Picture, String> {
+        let view = self.view(settings, size).map_err(|error| error.to_string())?.ok_or("there is no scene")?;
+        let request = FrameRequest { view, fill: self.fill, shading: settings.shading() };
+        let drawn = self.progressive.backend_mut().resize(size).and_then(|()| self.progressive.brute_force(&request));
+        drawn.and_then(|_| self.progressive.read()).map_err(|error| error.to_string())
+    }
+
+    /// What the camera sees, if there is one.
+    fn view(&self, settings: &Settings, size: [u32; 2]) -> Result<Option<View>, CameraError> {
+        let view =
+            |navigation: &Navigation| navigation.camera().view(navigation.grid(), size, settings.look.point_size);
+        self.navigation.as_ref().map(view).transpose()
+    }
+
+    /// What the headers say of the scene on screen.
+    pub fn facts(&self) -> Option<&Arc<SceneFacts>> {
+        self.loading.as_ref()?.scene()
+    }
+
+    /// What the user opened.
+    pub fn inputs(&self) -> &[PathBuf] {
+        &self.inputs
     }
 
     pub fn fill_budget(&self) -> FillBudget {
@@ -242,7 +375,7 @@ fn title(scene: &SceneFacts, inputs: &[PathBuf]) -> String {
 }
 
 /// With a capital letter, as a message stands alone.
-fn sentence(text: &str) -> String {
+pub fn sentence(text: &str) -> String {
     let mut chars = text.chars();
     chars.next().map_or(String::new(), |first| first.to_uppercase().chain(chars).collect())
 }

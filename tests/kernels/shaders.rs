@@ -5,7 +5,7 @@ use std::mem::offset_of;
 
 use firstlight::{
     gpu::shaders::{self, Shader},
-    render::{ColorTablesUniform, ColumnScaleUniform, FileColor, ShadingUniform, View},
+    render::{ColorTablesUniform, ColumnScaleUniform, FileColor, PickWords, ShadingUniform, View},
     store::{
         Encoding,
         gpu::{InsertionUniform, PageUniform},
@@ -75,6 +75,10 @@ fn host_structs_have_the_layout_of_the_shaders() {
     assert_eq!(layout_of(&shaders::RESOLVE, "FileColor"), host_layout!(FileColor: first_record, kind, low, high));
     assert_eq!(layout_of(&shaders::RESOLVE, "ColorTables"), host_layout!(ColorTablesUniform: thresholds, ramp));
     assert_eq!(layout_of(&shaders::COLUMN, "ColumnColors"), host_layout!(ColumnScaleUniform: high, low, colors));
+    assert_eq!(
+        layout_of(&shaders::PICK, "Pick"),
+        host_layout!(PickWords: width, height, x, y, reach, pixel, slot, depth, record, position_x, position_y, position_z)
+    );
     assert_eq!(
         layout_of(&shaders::LIGHT, "Shading"),
         host_layout!(ShadingUniform: edl_factor, background, unused_a, unused_b)

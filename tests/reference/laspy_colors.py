@@ -49,13 +49,16 @@ def values_of(las):
         yield "scan-angle", las.scan_angle.astype(np.float64) * 0.006
     if las.header.point_format.id not in (0, 2):
         yield "gps-time", las.gps_time
+    lists = [vlr for vlr in las.header.vlrs if isinstance(vlr, laspy.vlrs.known.ExtraBytesVlr)]
+    described = [entry for vlr in lists for entry in vlr.extra_bytes_structs]
     for dimension in las.point_format.extra_dimensions:
         # "ExtraBytes" is laspy's own name for bytes that the file says nothing of.
         if dimension.num_elements == 1 and dimension.dtype is not None and dimension.name != "ExtraBytes":
             values = np.array(las[dimension.name], np.float64)
-            if dimension.no_data is not None:
-                raw = las.points.array[dimension.name]
-                values[raw == dimension.no_data] = np.nan
+            # laspy keeps no-data values as they are; bit 0 of the options says that there is one.
+            for entry in described:
+                if entry.name.decode() == dimension.name and entry.options & 1:
+                    values[las.points.array[dimension.name] == entry.no_data[0]] = np.nan
             yield f"extra:{dimension.name}", values
 
 

@@ -15,7 +15,7 @@ use crate::{
     measure::stats::quantile,
     render::{
         Backend, BackendInfo, Camera, ColumnId, FillBudget, FramePlan, FrameReport, FrameRequest, INSERTION_POINTS,
-        Keys, Picture, Progressive, RasterChoice, Shading, StoreOptions, Sums,
+        Keys, Pick, PickAt, PickTicket, Picture, Progressive, RasterChoice, Shading, StoreOptions, Sums,
     },
     scene::{PointBatch, SceneFacts},
     source::{self, Event, SourceError},
@@ -350,6 +350,12 @@ impl Backend for Timed {
     }
     fn choose(&mut self) -> Result<(), RenderError> {
         self.inner.choose()
+    }
+    fn pick(&mut self, at: PickAt) -> Option<PickTicket> {
+        self.inner.pick(at)
+    }
+    fn picked(&mut self, ticket: PickTicket) -> Option<Option<Pick>> {
+        self.inner.picked(ticket)
     }
     fn wait(&mut self) -> Result<(), RenderError> {
         self.inner.wait()

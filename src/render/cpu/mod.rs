@@ -6,6 +6,7 @@ mod average;
 mod columns;
 mod index;
 mod mask;
+mod pick;
 mod raster;
 mod resolve;
 mod store;
@@ -17,7 +18,8 @@ use self::{
     average::PixelSums, columns::Columns, mask::Mask, resolve::Resolved, store::PointStore, threads::map_parts,
 };
 use super::{
-    Averaging, Backend, BackendInfo, ColumnId, FramePlan, Keys, PassTimes, Picture, Raster, RenderError, Sums, View,
+    Averaging, Backend, BackendInfo, ColumnId, FramePlan, Keys, PassTimes, Pick, PickAt, PickTicket, Picture, Raster,
+    RenderError, Sums, View, pick::Picks,
 };
 use crate::{
     scene::PointBatch,
@@ -58,6 +60,7 @@ pub struct CpuBackend {
     /// Insertions since the last frame.
     insertions: u32,
     times: Option<PassTimes>,
+    picks: Picks<Option<Pick>>,
 }
 
 impl CpuBackend {
@@ -89,6 +92,7 @@ impl CpuBackend {
             insert_secs: 0.0,
             insertions: 0,
             times: None,
+            picks: Picks::default(),
         }
     }
 
@@ -328,6 +332,15 @@ impl Backend for CpuBackend {
 
     fn points_shown(&mut self) -> Option<u64> {
         self.mask.points_shown()
+    }
+
+    fn pick(&mut self, at: PickAt) -> Option<PickTicket> {
+        let is_inside = at.pixel[0] < self.width && at.pixel[1] < self.height;
+        is_inside.then(|| self.picks.open(pick::pick(&self.words, self.width, &self.store, at)).0)
+    }
+
+    fn picked(&mut self, ticket: PickTicket) -> Option<Option<Pick>> {
+        Some(self.picks.close(ticket).flatten())
     }
 
     fn wait(&mut self) -> Result<(), RenderError> {

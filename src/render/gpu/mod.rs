@@ -9,6 +9,7 @@ mod hardware;
 mod index;
 mod mask;
 mod measure;
+mod pick;
 mod probe;
 mod resolve;
 mod sources;
@@ -22,14 +23,15 @@ use self::{
     index::IndexBuild,
     mask::Mask,
     measure::Chooser,
+    pick::Picker,
     resolve::{ColorSource, Resolve},
     sources::{Source, SourceBinder, Sources},
     targets::{TargetLayouts, Targets},
 };
-pub use self::{color::ColorTablesUniform, columns::ColumnScaleUniform, resolve::ShadingUniform};
+pub use self::{color::ColorTablesUniform, columns::ColumnScaleUniform, pick::PickWords, resolve::ShadingUniform};
 use super::{
-    Averaging, Backend, BackendInfo, Candidate, ColumnId, FramePlan, Keys, Measured, PassTimes, Picture, RasterChoice,
-    RenderError, Sums, View,
+    Averaging, Backend, BackendInfo, Candidate, ColumnId, FramePlan, Keys, Measured, PassTimes, Pick, PickAt,
+    PickTicket, Picture, RasterChoice, RenderError, Sums, View,
 };
 use crate::{
     gpu::{
@@ -72,6 +74,7 @@ pub struct GpuBackend {
     resolve: Resolve,
     /// For high-quality shading, once it was asked for.
     average: Option<Average>,
+    picker: Picker,
     columns: Columns,
     timer: FrameTimer,
     lost: std::sync::Arc<std::sync::Mutex<Option<String>>>,
@@ -146,6 +149,7 @@ impl GpuBackend {
             columns: Columns::new(&device, &queue, &layouts, &resolve.layout_colors),
             resolve,
             average: None,
+            picker: Picker::new(&device),
             timer: FrameTimer::new(&device, &queue, adapter.device_type),
             store,
             encoding: Encoding::default(),
@@ -161,12 +165,6 @@ impl GpuBackend {
     /// the size of the picture changed.
     pub fn picture_buffer(&self) -> Option<(&wgpu::Buffer, [u32; 2])> {
         self.targets.as_ref().map(|targets| (&targets.picture, targets.size))
-    }
-
-    /// The words of the last frame, in the same order: slot (all ones: background), then the bits of the
-    /// depth.
-    pub fn words_buffer(&self) -> Option<(&wgpu::Buffer, [u32; 2])> {
-        self.targets.as_ref().map(|targets| (&targets.words, targets.size))
     }
 
     /// Makes anew what reads positions, if the store holds them in another encoding than at the last frame.
@@ -454,7 +452,19 @@ impl Backend for GpuBackend {
         self.measure_all()
     }
 
+    fn pick(&mut self, at: PickAt) -> Option<PickTicket> {
+        let targets = self.targets.as_ref().filter(|targets| (0..2).all(|a| at.pixel[a] < targets.size[a]))?;
+        self.picker.ask(&self.device, &self.queue, targets, &self.store.pages, at)
+    }
+
+    fn picked(&mut self, ticket: PickTicket) -> Option<Option<Pick>> {
+        // An error here is a lost device, which the next frame reports.
+        let _ = self.device.poll(wgpu::PollType::Poll);
+        self.picker.answer(ticket)
+    }
+
     fn wait(&mut self) -> Result<(), RenderError> {
+        self.picker.wait();
         device::wait(&self.device)?;
         self.check_device()
     }
