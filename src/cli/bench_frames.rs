@@ -89,6 +89,7 @@ pub fn run(args: BenchFramesArgs, started: Instant) -> Result<ExitStatus, CliErr
     let (backend, _, notes) = make_backend(backend_choice(args.backend, args.method)?, args.method, args.threads)
         .map_err(BenchError::from)?;
     notes.iter().for_each(|note| say(note));
+    let look = args.look();
     let settings = BenchFrames {
         size: args.size,
         point_size: args.point_size,
@@ -98,7 +99,7 @@ pub fn run(args: BenchFramesArgs, started: Instant) -> Result<ExitStatus, CliErr
         frames: args.frames,
         high_quality: args.hq,
         encoding: args.encoding.encoding(),
-        look: args.look(),
+        look,
     };
     let report = bench_frames(&settings, feed, backend, decoded, started)?;
     // If nobody reads the table, the report is still written.
