@@ -11,7 +11,7 @@ use clap::Args;
 
 use super::{
     CliError, ExitStatus,
-    look::ColorArgs,
+    look::{ColorArgs, FilterArgs},
     render::{BackendArg, backend_choice},
     say,
     values::{self, EncodingChoice},
@@ -70,6 +70,8 @@ pub struct BenchFramesArgs {
     threads: Option<usize>,
     #[command(flatten)]
     color: ColorArgs,
+    #[command(flatten)]
+    filter: FilterArgs,
     /// Write every sample as JSON
     #[arg(long, value_name = "REPORT.json")]
     json: Option<PathBuf>,
@@ -87,6 +89,7 @@ pub fn run(args: BenchFramesArgs, started: Instant) -> Result<ExitStatus, CliErr
     let (backend, _, notes) = make_backend(backend_choice(args.backend, args.method)?, args.method, args.threads)
         .map_err(BenchError::from)?;
     notes.iter().for_each(|note| say(note));
+    let look = args.look();
     let settings = BenchFrames {
         size: args.size,
         point_size: args.point_size,
@@ -96,7 +99,7 @@ pub fn run(args: BenchFramesArgs, started: Instant) -> Result<ExitStatus, CliErr
         frames: args.frames,
         high_quality: args.hq,
         encoding: args.encoding.encoding(),
-        coloring: args.color.coloring(),
+        look,
     };
     let report = bench_frames(&settings, feed, backend, decoded, started)?;
     // If nobody reads the table, the report is still written.
@@ -110,7 +113,8 @@ pub fn run(args: BenchFramesArgs, started: Instant) -> Result<ExitStatus, CliErr
 
 impl BenchFramesArgs {
     fn look(&self) -> Look {
-        Look { coloring: self.color.coloring(), ..Default::default() }
+        let (filter, clip) = (self.filter.filter(), self.filter.clip());
+        Look { coloring: self.color.coloring(), filter, clip, ..Default::default() }
     }
 }
 

@@ -23,18 +23,36 @@ pub struct LookArgs {
     /// Colour where no point is
     #[arg(long, value_name = "#RRGGBB", value_parser = values::parse_color)]
     background: Option<[u8; 3]>,
+    #[command(flatten)]
+    filter: FilterArgs,
+    #[command(flatten)]
+    color: ColorArgs,
+}
+
+/// The options of what is shown.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "What is shown")]
+pub struct FilterArgs {
     /// Show only points whose attribute has one of these values: class=2,6 or class!=7 or elevation=10..55.5 or
     /// file=0; given several times, all must hold
     #[arg(long, value_name = "ATTRIBUTE=VALUES")]
     filter: Vec<Clause>,
     /// Show only what lies in this box, in the file's coordinates; the last number turns it around its middle
-    #[arg(long, value_name = "X0,Y0,Z0,X1,Y1,Z1[,DEGREES]", allow_negative_numbers = true)]
+    #[arg(long, value_name = "X0,Y0,Z0,X1,Y1,Z1[,DEGREES]", allow_hyphen_values = true)]
     clip: Option<ClipBox>,
     /// Show only a section: a point of it, the direction across, and how thick it is
-    #[arg(long, value_name = "X,Y,Z,NX,NY,NZ,THICKNESS", allow_negative_numbers = true)]
+    #[arg(long, value_name = "X,Y,Z,NX,NY,NZ,THICKNESS", allow_hyphen_values = true)]
     slab: Option<Slab>,
-    #[command(flatten)]
-    color: ColorArgs,
+}
+
+impl FilterArgs {
+    pub fn filter(&self) -> Filter {
+        Filter { clauses: self.filter.clone() }
+    }
+
+    pub fn clip(&self) -> Clip {
+        Clip { bounds: self.clip, slab: self.slab }
+    }
 }
 
 /// The options of what points are coloured by, and how.
@@ -123,8 +141,8 @@ impl LookArgs {
                 high_quality: self.hq,
             },
             coloring: self.color.coloring(),
-            filter: Filter { clauses: self.filter.clone() },
-            clip: Clip { bounds: self.clip, slab: self.slab },
+            filter: self.filter.filter(),
+            clip: self.filter.clip(),
         }
     }
 }

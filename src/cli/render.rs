@@ -141,8 +141,12 @@ fn summary(report: &Report) -> String {
         Some(missing) if missing > 0 => format!(" ({} missing)", headless::grouped(missing)),
         _ => String::new(),
     };
+    let shown = match report.points_shown {
+        Some(shown) if shown < report.points_stored => format!(", {} of them shown", headless::grouped(shown)),
+        _ => String::new(),
+    };
     format!(
-        "wrote {}: {width}x{height} pixels, {} points{missing}, {} frame{}, {:.2} s, {} on {}",
+        "wrote {}: {width}x{height} pixels, {} points{missing}{shown}, {} frame{}, {:.2} s, {} on {}",
         names.join(", "),
         headless::grouped(report.points_stored),
         report.frames,

@@ -45,6 +45,7 @@ pub fn render(settings: &Settings) -> Result<Report, HeadlessError> {
     let (mut run, last_frame) = Run::of_all_points(settings)?;
     let picture = run.progressive.read()?;
     run.seconds.to_picture = Some(run.now());
+    run.report.points_shown = run.progressive.wait_for_points_shown()?;
     let report = run.into_report(last_frame, &picture);
     write_outputs(settings, &report, &picture)?;
     Ok(report)
@@ -303,7 +304,6 @@ impl<'a> Run<'a> {
         report.points_in_header = report.files.iter().map(|f| f.points_in_header).sum();
         report.points_decoded = report.files.iter().map(|f| f.points_decoded).sum();
         report.points_stored = self.progressive.points_stored();
-        report.points_shown = self.progressive.points_shown();
         report.read_to_end = self.source.is_some();
         report.points_missing = report.files.iter().map(|f| f.points_missing).sum();
         if self.out_of_memory {

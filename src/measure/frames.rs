@@ -14,8 +14,8 @@ use super::{
 use crate::{
     headless::default_camera,
     render::{
-        Backend, BackendInfo, Camera, ColorBy, Coloring, FillBudget, FrameRequest, PassTimes, Progressive, RenderError,
-        Shading, StoreOptions, Sums,
+        Backend, BackendInfo, Camera, Clip, ColorBy, FillBudget, Filter, FrameRequest, Look, PassTimes, Progressive,
+        RenderError, Shading, StoreOptions, Sums,
     },
     scene::SceneFacts,
     source::SourceError,
@@ -36,7 +36,8 @@ pub struct BenchFrames {
     pub high_quality: bool,
     /// How positions are stored; `None`: as a viewer does.
     pub encoding: Option<Encoding>,
-    pub coloring: Coloring,
+    /// Its colours, and what it shows; the rest is above.
+    pub look: Look,
 }
 
 /// Frame times, milliseconds, in the order they were drawn.
@@ -86,6 +87,11 @@ pub struct BenchFramesReport {
     /// How colours were summed up for high-quality shading; none without it.
     pub high_quality: Option<Sums>,
     pub color_by: ColorBy,
+    /// As `--filter` takes them.
+    pub filter: Filter,
+    pub clip: Clip,
+    /// Points that these show once all are loaded.
+    pub points_shown: Option<u64>,
     pub seed: u64,
     /// Points per second of the reader alone, without a GPU; only for files.
     pub decoded_points_per_sec: Option<f64>,
@@ -139,7 +145,10 @@ pub fn bench_frames(
         size_px: settings.size,
         point_size_px: settings.point_size,
         high_quality: settings.high_quality.then_some(backend_sums),
-        color_by: settings.coloring.by.clone(),
+        color_by: settings.look.coloring.by.clone(),
+        filter: settings.look.filter.clone(),
+        clip: settings.look.clip,
+        points_shown: None,
         seed: settings.seed,
         decoded_points_per_sec,
         secs_to_first_picture: 0.0,
@@ -161,8 +170,9 @@ pub fn bench_frames(
                         Packing::of_scene(&facts.grid, &facts.bounds)?;
                     }
                     run.progressive.open(facts.clone());
-                    run.progressive.set_coloring(&settings.coloring);
-                    run.progressive.carry(settings.coloring.by.attribute().cloned());
+                    run.progressive.set_coloring(&settings.look.coloring);
+                    run.progressive.set_filter(&settings.look.filter, &settings.look.clip);
+                    run.progressive.carry(settings.look.attributes());
                     let camera = default_camera(&facts, None, settings.size);
                     run.scene = Some((facts, camera));
                 }
@@ -196,6 +206,7 @@ pub fn bench_frames(
         }
         if done {
             report.backend.clone_from(run.progressive.backend().info());
+            report.points_shown = run.progressive.wait_for_points_shown()?;
             return if points > 0 { Ok(report) } else { Err(BenchError::NoPoints) };
         }
     }
@@ -291,6 +302,10 @@ pub fn markdown(report: &BenchFramesReport) -> String {
     line(format!("first picture after {:.2} s", report.secs_to_first_picture));
     if let Some(rate) = report.decoded_points_per_sec {
         line(format!("reader alone: {:.1} million points/s", rate * 1e-6));
+    }
+    let (last, shown) = (report.levels.last(), report.points_shown);
+    if let Some((level, shown)) = last.zip(shown).filter(|(level, shown)| *shown < level.points) {
+        line(format!("{shown} of {} points are shown", level.points));
     }
     line(String::new());
     line("| points loaded | pixels covered | frame, ms (median) | 99th percentile | on the device | points tried | at rest, frames | ms in all | while loading, ms (median) | 99th percentile | all points at once, ms | loaded after, s |".into());
