@@ -24,6 +24,7 @@ const GROUPS: [(&str, &[(&str, &str)]); 4] = [
         "Look",
         &[
             ("[ ]  or  - =", "point size"),
+            ("V, Shift + V", "the next colours, the ones before"),
             ("L", "eye-dome lighting on or off"),
             ("B", "high quality (blends near points) on or off"),
         ],

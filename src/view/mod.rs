@@ -10,6 +10,7 @@ mod dialogs;
 mod format;
 mod help;
 mod input;
+mod legend;
 mod loading;
 mod messages;
 mod models;

@@ -12,7 +12,10 @@ use serde::{Serialize, de::DeserializeOwned};
 use serde_json::{Map, Value};
 
 use super::settings::{Section, Theme};
-use crate::render::{Clip, Filter, Look};
+use crate::{
+    render::{Clip, ColorBy, Coloring, Filter, Look},
+    scene::Attribute,
+};
 
 /// Names another settings file; empty: none is read or written.
 pub const SETTINGS_VARIABLE: &str = "FIRSTLIGHT_SETTINGS";
@@ -33,6 +36,7 @@ pub struct Remembered {
     /// Sections of the side panel that are open.
     pub sections: Vec<Section>,
     pub theme: Theme,
+    pub legend: bool,
     /// Width and height of the window, in points.
     pub window: [f32; 2],
     /// Files and folders, the last opened first.
@@ -47,8 +51,9 @@ impl Default for Remembered {
             bar: true,
             panel: true,
             panel_width: 300.0,
-            sections: vec![Section::Files, Section::Look],
+            sections: vec![Section::Files, Section::Color, Section::Look],
             theme: Theme::default(),
+            legend: true,
             window: [1280.0, 800.0],
             recent: Vec::new(),
         }
@@ -69,6 +74,7 @@ impl Remembered {
             panel_width: if width.is_finite() { width.clamp(120.0, 2_000.0) } else { default.panel_width },
             sections: field(&mut map, "sections", default.sections),
             theme: field(&mut map, "theme", default.theme),
+            legend: field(&mut map, "legend", default.legend),
             window: field(&mut map, "window", default.window).map(|side: f32| side.clamp(160.0, 16_384.0)),
             recent: field(&mut map, "recent", Vec::new()),
         }
@@ -76,7 +82,11 @@ impl Remembered {
 
     /// A look without what belongs to one scan.
     pub fn set_look(&mut self, look: &Look) {
-        self.look = Some(Look { filter: Filter::default(), clip: Clip::default(), ..look.clone() });
+        let mut coloring = Coloring { range: None, ..look.coloring.clone() };
+        if matches!(coloring.by, ColorBy::Attribute(Attribute::Extra(_))) {
+            coloring.by = ColorBy::Auto;
+        }
+        self.look = Some(Look { coloring, filter: Filter::default(), clip: Clip::default(), ..look.clone() });
     }
 
     /// Puts what was opened first.

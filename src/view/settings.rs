@@ -22,6 +22,8 @@ pub struct Settings {
     /// Sections of the panel that are open.
     pub sections: BTreeSet<Section>,
     pub theme: Theme,
+    /// What the colours mean, over the picture.
+    pub legend: bool,
     pub help: bool,
 }
 
@@ -30,6 +32,8 @@ pub struct Settings {
 #[serde(rename_all = "kebab-case")]
 pub enum Section {
     Files,
+    Color,
+    Filter,
     Look,
     Share,
     Performance,
@@ -89,6 +93,7 @@ impl Settings {
             panel_width: remembered.panel_width,
             sections: remembered.sections.iter().copied().collect(),
             theme: remembered.theme,
+            legend: remembered.legend,
             help: false,
         }
     }
@@ -102,12 +107,14 @@ impl Settings {
         remembered.panel_width = self.panel_width;
         remembered.sections = self.sections.iter().copied().collect();
         remembered.theme = self.theme;
+        remembered.legend = self.legend;
     }
 
     /// What belongs to one scan must not hide another one.
     pub fn forget_scene(&mut self) {
         self.look.filter = Filter::default();
         self.look.clip = Clip::default();
+        self.look.coloring.range = None;
     }
 
     /// What is drawn with.
