@@ -55,6 +55,7 @@ const GROUPS: [(&str, &[(&str, &str)]); 4] = [
 pub fn show(ctx: &Context, settings: &mut Settings) {
     let screen = ctx.content_rect();
     let area = Area::new(Id::unique("help")).order(Order::Foreground).anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0));
+    let area = area.default_size(vec2(640.0, screen.height() - 40.0));
     area.show(ctx, |ui| {
         Frame::window(ui.style()).inner_margin(14).show(ui, |ui| {
             ui.horizontal(|ui| {
