@@ -3,7 +3,7 @@
 use clap::Args;
 
 use super::values;
-use crate::render::{Look, Shading};
+use crate::render::{Clause, Clip, ClipBox, Filter, Look, Shading, Slab};
 
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "How it looks")]
@@ -17,6 +17,16 @@ pub struct LookArgs {
     /// High-quality shading: each pixel shows the mean colour of all points within 1 % behind its nearest
     #[arg(long)]
     hq: bool,
+    /// Show only points whose attribute has one of these values: class=2,6 or class!=7 or elevation=10..55.5 or
+    /// file=0; given several times, all must hold
+    #[arg(long, value_name = "ATTRIBUTE=VALUES")]
+    filter: Vec<Clause>,
+    /// Show only what lies in this box, in the file's coordinates; the last number turns it around its middle
+    #[arg(long, value_name = "X0,Y0,Z0,X1,Y1,Z1[,DEGREES]", allow_negative_numbers = true)]
+    clip: Option<ClipBox>,
+    /// Show only a section: a point of it, the direction across, and how thick it is
+    #[arg(long, value_name = "X,Y,Z,NX,NY,NZ,THICKNESS", allow_negative_numbers = true)]
+    slab: Option<Slab>,
 }
 
 impl LookArgs {
@@ -25,6 +35,8 @@ impl LookArgs {
         Look {
             point_size: self.point_size.unwrap_or(point_size),
             shading: Shading { edl_strength: self.edl, high_quality: self.hq, ..Default::default() },
+            filter: Filter { clauses: self.filter.clone() },
+            clip: Clip { bounds: self.clip, slab: self.slab },
         }
     }
 }

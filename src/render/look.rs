@@ -2,7 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::backend::Shading;
+use super::{
+    backend::Shading,
+    filter::{Clip, Filter},
+};
 
 /// How a scene is shown: what the window's controls set, and the options of `render` of the same names. The camera
 /// and the size of the picture are not part of it.
@@ -12,10 +15,14 @@ pub struct Look {
     /// Width of a point, pixels, 1 to 8.
     pub point_size: u32,
     pub shading: Shading,
+    /// Which points are shown, by their attributes.
+    pub filter: Filter,
+    /// Which part of space is shown.
+    pub clip: Clip,
 }
 
 impl Default for Look {
     fn default() -> Self {
-        Look { point_size: 1, shading: Shading::default() }
+        Look { point_size: 1, shading: Shading::default(), filter: Filter::default(), clip: Clip::default() }
     }
 }

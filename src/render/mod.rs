@@ -16,6 +16,7 @@ mod camera;
 mod choice;
 mod color;
 mod cpu;
+mod filter;
 mod frame;
 mod gpu;
 mod in_motion;
@@ -32,6 +33,9 @@ pub use choice::{
 };
 pub use color::{FileColor, elevation_ramp};
 pub use cpu::{CpuBackend, list_visible};
+pub use filter::{
+    Clause, ClauseError, Clip, ClipBox, ClipError, Filter, Key, MaskRules, RULE_WORDS, Slab, Test, Values, ValuesError,
+};
 pub use frame::{FrameReport, FrameRequest, INSERTION_POINTS, Reprojection, StoreOptions};
 pub use gpu::{GpuBackend, ShadingUniform};
 pub use look::Look;
