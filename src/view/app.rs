@@ -6,19 +6,21 @@ use eframe::{
     egui::{self, Color32, Context, Id, Rect, Response, Sense, Ui},
     egui_wgpu::RenderState,
 };
-use glam::DVec3;
+use glam::DVec2;
 
 use super::{
     Options,
     blit::Blit,
     input::{self, Hand},
+    keys::{self, Command},
     loading::Loading,
     messages::Messages,
+    navigation::StandardView,
     overlay::{self, Averages, Status},
     pace::Pace,
     probe::Probe,
     scene_state::{self, SceneState},
-    settings::{Ask, Settings},
+    settings::Settings,
 };
 use crate::render::{Backend, FillBudget, GpuBackend, RenderError, Shading};
 
@@ -65,13 +67,18 @@ impl App {
         advance.again
     }
 
-    fn show_view(&mut self, ask: Ask) {
-        let Some(navigation) = &mut self.scene.navigation else { return };
-        match ask {
-            Ask::Home => navigation.home(),
-            Ask::Top => navigation.look_from(DVec3::Z),
-            Ask::Front => navigation.look_from(-DVec3::Y),
-            Ask::Side => navigation.look_from(DVec3::X),
+    fn take_incoming(&mut self, ctx: &Context) {
+        if self.scene.take_incoming(ctx, &mut self.messages, self.size) {
+            // What was kept of the scene before means nothing in this one.
+            self.hand = Hand::default();
+        }
+    }
+
+    /// What keys and buttons ask for; `cursor` is the pixel that it is about.
+    fn obey(&mut self, ctx: &Context, command: Command, cursor: DVec2) {
+        self.settings.obey(command);
+        if let Some(navigation) = &mut self.scene.navigation {
+            self.hand.obey(command, ctx, navigation, cursor, self.settings.smooth);
         }
     }
 
@@ -117,7 +124,7 @@ impl App {
     }
 
     /// What lies over the picture, which takes `rect` of the window.
-    fn show_overlay(&mut self, ui: &Ui, rect: Rect) -> Option<Ask> {
+    fn show_overlay(&mut self, ui: &Ui, rect: Rect) -> Option<StandardView> {
         let mut asked = None;
         if !overlay::fits(ui.ctx()) {
             return None;
@@ -157,6 +164,27 @@ impl App {
         }
     }
 
+    /// Mouse and keys; true if the next frame should follow at once.
+    fn steer(&mut self, ctx: &Context, picture: &Response) -> bool {
+        let keys = !ctx.egui_wants_keyboard_input();
+        let Some(navigation) = &mut self.scene.navigation else {
+            for command in keys.then(|| keys::pressed(ctx)).into_iter().flatten() {
+                self.settings.obey(command);
+            }
+            return false;
+        };
+        navigation.resize(self.size);
+        let cursor = self.hand.cursor(ctx, picture, navigation);
+        let mut again = self.hand.steer(ctx, picture, navigation, keys);
+        let double_clicked = picture.double_clicked_by(egui::PointerButton::Primary).then_some(Command::Center);
+        let commands = keys.then(|| keys::pressed(ctx)).into_iter().flatten();
+        for command in commands.chain(double_clicked) {
+            self.obey(ctx, command, cursor);
+            again = true;
+        }
+        again
+    }
+
     /// Asks what the cursor is on, for the next move of the mouse.
     fn feel(&mut self, ctx: &Context, picture: &Response) {
         if picture.contains_pointer()
@@ -180,7 +208,7 @@ impl eframe::App for App {
     /// Loading goes on while the window is hidden, when [`App::ui`] is not called.
     fn logic(&mut self, ctx: &Context, _: &mut eframe::Frame) {
         if ctx.input(|i| i.viewport().visible()) == Some(false) {
-            self.scene.take_incoming(ctx, &mut self.messages, self.size);
+            self.take_incoming(ctx);
             if self.advance() {
                 ctx.request_repaint();
             }
@@ -197,29 +225,19 @@ impl eframe::App for App {
         if !dropped.is_empty() {
             self.scene.open(&ctx, dropped);
         }
-        self.scene.take_incoming(&ctx, &mut self.messages, self.size);
+        self.take_incoming(&ctx);
 
-        let picture = ui.interact(rect, Id::unique("picture"), Sense::drag());
-        let mut asked = None;
-        let mut flying = false;
-        if !ctx.egui_wants_keyboard_input() {
-            asked = input::keys(&ctx, &mut self.settings);
-        }
+        let picture = ui.interact(rect, Id::unique("picture"), Sense::click_and_drag());
         if let Some(touched) = self.probe.answer() {
             self.hand.touched = touched;
         }
-        if let Some(navigation) = &mut self.scene.navigation {
-            navigation.resize(self.size);
-            self.hand.steer(&ctx, &picture, navigation);
-            flying = !ctx.egui_wants_keyboard_input() && input::fly(&ctx, navigation);
-        }
-        if let Some(ask) = asked {
-            self.show_view(ask);
-        }
+        let before = self.settings.clone();
+        let mut moving = self.steer(&ctx, &picture);
+        moving |= self.settings != before;
 
         // Nobody will see the frame after the last.
         let closing = ctx.input(|i| i.viewport().close_requested());
-        let mut again = !closing && (self.advance() || flying);
+        let mut again = !closing && (self.advance() || moving);
         if !closing && !again {
             self.measure_at_rest(&ctx);
         }
@@ -228,8 +246,8 @@ impl eframe::App for App {
 
         // Last, so that the numbers are those of the picture; what it changes is for the next frame.
         let before = self.settings.clone();
-        if let Some(ask) = self.show_overlay(ui, rect) {
-            self.show_view(ask);
+        if let Some(view) = self.show_overlay(ui, rect) {
+            self.obey(&ctx, Command::Show(view), DVec2::ZERO);
             again = true;
         }
         again |= self.settings != before;

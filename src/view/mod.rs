@@ -8,6 +8,7 @@ mod app;
 mod blit;
 mod format;
 mod input;
+mod keys;
 mod loading;
 mod messages;
 mod navigation;

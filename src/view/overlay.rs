@@ -7,7 +7,9 @@ use eframe::egui::{
 
 use super::{
     format::{count, duration, percent},
-    settings::{Ask, Settings},
+    keys,
+    navigation::StandardView,
+    settings::Settings,
 };
 use crate::render::{Choice, Clock};
 
@@ -69,7 +71,7 @@ pub fn fits(ctx: &egui::Context) -> bool {
 }
 
 /// Two lines at the lower edge of the picture, which takes `screen` of the window.
-pub fn bar(ctx: &egui::Context, screen: Rect, status: &Status, settings: &mut Settings) -> Option<Ask> {
+pub fn bar(ctx: &egui::Context, screen: Rect, status: &Status, settings: &mut Settings) -> Option<StandardView> {
     let mut asked = None;
     let corner = screen.left_bottom() - vec2(0.0, BAR_HEIGHT);
     Area::new(Id::unique("status")).order(Order::Foreground).fixed_pos(corner).constrain(false).show(ctx, |ui| {
@@ -192,17 +194,17 @@ fn progress(ui: &Ui, screen: Rect, s: &Status) {
 }
 
 /// From the right.
-fn controls(ui: &mut Ui, settings: &mut Settings) -> Option<Ask> {
+fn controls(ui: &mut Ui, settings: &mut Settings) -> Option<StandardView> {
     let mut asked = None;
     let button = |ui: &mut Ui, text: &str, hint: &str| ui.add(Button::new(small(text)).small()).on_hover_text(hint);
     if button(ui, "?", "Keys and mouse (F1)").clicked() {
         settings.help = !settings.help;
     }
     for (ask, text, hint) in [
-        (Ask::Side, "Side", "From the east (3)"),
-        (Ask::Front, "Front", "From the south (1)"),
-        (Ask::Top, "Top", "From above (7)"),
-        (Ask::Home, "Fit", "Show all (Home or H)"),
+        (StandardView::Right, "Side", "From the east (3)"),
+        (StandardView::Front, "Front", "From the south (1)"),
+        (StandardView::Top, "Top", "From above (7)"),
+        (StandardView::Home, "Fit", "Show all (Home or H)"),
     ] {
         if button(ui, text, hint).clicked() {
             asked = Some(ask);
@@ -244,35 +246,22 @@ pub fn drop_target(ctx: &egui::Context) {
 
 /// Keys and mouse.
 pub fn help(ctx: &egui::Context, settings: &mut Settings) {
-    const ROWS: [(&str, &str); 15] = [
-        ("Left drag", "orbit"),
-        ("Right or middle drag, Shift + left", "pan: the grabbed point follows"),
-        ("Wheel, pinch", "zoom to the cursor"),
-        ("Double click", "orbit around the point there"),
-        ("W A S D", "fly forward, left, back, right"),
-        ("Q E", "fly down, up"),
-        ("Shift with these", "five times as fast"),
-        ("Home, H", "fit all"),
-        ("7, 1, 3", "from above, from the south, from the east"),
-        ("[ ]  or  - =", "point size"),
-        ("L", "eye-dome lighting on or off"),
-        ("B", "high quality (blends near points) on or off"),
-        ("O", "this bar on or off"),
-        ("F1, ?", "this help"),
-        ("Drop files or folders", "open them instead"),
-    ];
     let frame = Frame::new().fill(PANEL).inner_margin(14).corner_radius(6);
     let area = Area::new(Id::unique("help")).order(Order::Foreground).anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0));
     let area = area.sense(Sense::click());
     let shown = area.show(ctx, |ui| {
         frame.show(ui, |ui| {
-            egui::Grid::new("keys").num_columns(2).spacing(vec2(24.0, 5.0)).show(ui, |ui| {
-                for (keys, meaning) in ROWS {
-                    ui.label(small(keys).strong().color(Color32::WHITE));
-                    ui.label(small(meaning));
-                    ui.end_row();
-                }
-            });
+            for section in keys::Section::ALL {
+                ui.label(small(section.title()).strong().color(ACCENT));
+                egui::Grid::new(section.title()).num_columns(2).spacing(vec2(24.0, 5.0)).show(ui, |ui| {
+                    for row in keys::ROWS.iter().filter(|row| row.section == section) {
+                        ui.label(small(row.keys).strong().color(Color32::WHITE));
+                        ui.label(small(row.what));
+                        ui.end_row();
+                    }
+                });
+                ui.add_space(6.0);
+            }
         });
     });
     if shown.response.clicked() {

@@ -74,18 +74,19 @@ impl SceneState {
         self.incoming = Some((Loading::start(&inputs, self.threads, wake), inputs));
     }
 
-    /// Takes over the incoming scene once its headers are read.
-    pub fn take_incoming(&mut self, ctx: &Context, messages: &mut Messages, size: [u32; 2]) {
+    /// Takes over the incoming scene once its headers are read; true if it did.
+    pub fn take_incoming(&mut self, ctx: &Context, messages: &mut Messages, size: [u32; 2]) -> bool {
         // The first camera is chosen for the window's shape.
         if size.contains(&0) {
-            return;
+            return false;
         }
-        let Some((loading, inputs)) = &mut self.incoming else { return };
+        let Some((loading, inputs)) = &mut self.incoming else { return false };
         match loading.take_first() {
-            First::Nothing => {}
+            First::Nothing => false,
             First::Failed(error) => {
                 messages.add(Severity::Error, error);
                 self.incoming = None;
+                false
             }
             First::Opened(scene) => {
                 messages.clear();
@@ -99,6 +100,7 @@ impl SceneState {
                 self.undrawable = None;
                 self.last_report = None;
                 self.loading = self.incoming.take().map(|(loading, _)| loading);
+                true
             }
         }
     }

@@ -1,6 +1,6 @@
 //! What the user sets, with a control or a key.
 
-use super::{Options, overlay::POINT_SIZES};
+use super::{Options, keys::Command, overlay::POINT_SIZES};
 use crate::render::{Look, Shading};
 
 #[derive(Debug, Clone, PartialEq)]
@@ -11,15 +11,8 @@ pub struct Settings {
     /// The lines at the lower edge.
     pub bar: bool,
     pub help: bool,
-}
-
-/// What the user asks for with a button or a key.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Ask {
-    Home,
-    Top,
-    Front,
-    Side,
+    /// The camera goes to a view that is asked for on a short way, instead of jumping there.
+    pub smooth: bool,
 }
 
 impl Settings {
@@ -30,13 +23,27 @@ impl Settings {
         if !edl {
             look.shading.edl_strength = Shading::default().edl_strength;
         }
-        Settings { look, edl, bar: true, help: false }
+        Settings { look, edl, bar: true, help: false, smooth: true }
     }
 
     /// What is drawn with.
     pub fn shading(&self) -> Shading {
         let edl_strength = if self.edl { self.look.shading.edl_strength } else { 0.0 };
         Shading { edl_strength, ..self.look.shading }
+    }
+
+    /// What a key asks for, if it is of these settings.
+    pub fn obey(&mut self, command: Command) {
+        match command {
+            Command::SmallerPoints => self.change_point_size(-1),
+            Command::LargerPoints => self.change_point_size(1),
+            Command::ToggleLighting => self.edl ^= true,
+            Command::ToggleQuality => self.look.shading.high_quality ^= true,
+            Command::ToggleBar => self.bar ^= true,
+            Command::ToggleHelp => self.help ^= true,
+            Command::Close => self.help = false,
+            _ => {}
+        }
     }
 
     /// Larger or smaller points.

@@ -8,6 +8,7 @@
 #![cfg(target_os = "linux")]
 
 mod display;
+mod moves;
 mod viewer;
 mod xserver;
 

@@ -18,7 +18,7 @@ use crate::{
     scene::{Bounds, Grid},
 };
 
-pub use bookmarks::{Bookmark, Bookmarks};
+pub use bookmarks::Bookmarks;
 pub use glide::Glide;
 pub use history::{Gesture, History};
 
@@ -81,6 +81,11 @@ impl Navigation {
     /// The picture has another size now; the camera stays.
     pub fn resize(&mut self, size: [u32; 2]) {
         self.size = pixels(size);
+    }
+
+    /// Of the picture, in pixels.
+    pub fn size(&self) -> DVec2 {
+        self.size
     }
 
     /// Shows all of the box from the usual direction.
@@ -200,14 +205,53 @@ impl Navigation {
     /// Where a point of the scene is: its pixel, and its depth along the viewing direction; `None` for
     /// what is behind the eye.
     pub fn locate(&self, point: DVec3) -> Option<(DVec2, f64)> {
-        let axes = self.axes();
-        let at = point - self.eye();
-        let depth = at.dot(axes.forward);
-        if depth.partial_cmp(&0.0) != Some(std::cmp::Ordering::Greater) {
+        let at = self.seen(point);
+        (at.z > 0.0).then(|| (self.pixel_of(at), at.z))
+    }
+
+    /// The pixels of the ends of a segment, or of the part of it that lies before the eye and not far outside of the
+    /// picture; `None` if no part does.
+    pub fn locate_segment(&self, a: DVec3, b: DVec3) -> Option<[DVec2; 2]> {
+        let (a, b) = (self.seen(a), self.seen(b));
+        // A line from the picture to beside the eye has no end.
+        let nearest = 1e-6 * self.distance();
+        let before_eye = |from: DVec3, to: DVec3| match from.z < nearest {
+            true => from + (to - from) * ((nearest - from.z) / (to.z - from.z)),
+            false => from,
+        };
+        let is_seen = a.z >= nearest || b.z >= nearest;
+        if !is_seen {
             return None;
         }
-        let ndc = DVec2::new(at.dot(axes.right), -at.dot(axes.up)) / (depth * self.tan());
-        Some(((ndc * 0.5 + DVec2::splat(0.5)) * self.size, depth))
+        let ends = [self.pixel_of(before_eye(a, b)), self.pixel_of(before_eye(b, a))];
+        clipped(ends, -self.size, 2.0 * self.size).filter(|ends| ends[0].is_finite() && ends[1].is_finite())
+    }
+
+    /// In the picture's axes, from the eye: right, up, forward.
+    fn seen(&self, point: DVec3) -> DVec3 {
+        let axes = self.axes();
+        let at = point - self.eye();
+        DVec3::new(at.dot(axes.right), at.dot(axes.up), at.dot(axes.forward))
+    }
+
+    fn pixel_of(&self, seen: DVec3) -> DVec2 {
+        let ndc = DVec2::new(seen.x, -seen.y) / (seen.z * self.tan());
+        (ndc * 0.5 + DVec2::splat(0.5)) * self.size
+    }
+
+    /// Where the ray through a pixel comes from, and where it goes (one unit along the viewing direction).
+    pub fn ray_through(&self, cursor: DVec2) -> (DVec3, DVec3) {
+        (self.eye(), self.ray(cursor))
+    }
+
+    /// Unit vector along which the picture is seen.
+    pub fn forward(&self) -> DVec3 {
+        self.axes().forward
+    }
+
+    /// The scene's box, as far as there can be points in it.
+    pub fn bounds(&self) -> &Bounds {
+        &self.bounds
     }
 
     /// Makes `point` the pivot: the camera moves sideways until it is in the middle of the picture.
@@ -333,6 +377,24 @@ impl Axes {
         let right = forward.cross(DVec3::from_array(camera.up)).normalize();
         Axes { right, forward, up: right.cross(forward) }
     }
+}
+
+/// The part of a segment inside of a rectangle. (Liang and Barsky 1984.)
+fn clipped([a, b]: [DVec2; 2], low: DVec2, high: DVec2) -> Option<[DVec2; 2]> {
+    let along = b - a;
+    let (mut first, mut last) = (0.0_f64, 1.0_f64);
+    for axis in 0..2 {
+        let to = [low[axis] - a[axis], high[axis] - a[axis]];
+        if along[axis] == 0.0 {
+            if to[0] > 0.0 || to[1] < 0.0 {
+                return None;
+            }
+            continue;
+        }
+        let [enters, leaves] = if along[axis] > 0.0 { to } else { [to[1], to[0]] }.map(|to| to / along[axis]);
+        (first, last) = (first.max(enters), last.min(leaves));
+    }
+    (first <= last).then(|| [a + along * first, a + along * last])
 }
 
 fn pixels(size: [u32; 2]) -> DVec2 {

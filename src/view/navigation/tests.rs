@@ -343,3 +343,24 @@ fn broken_boxes_still_give_a_camera() {
         }
     }
 }
+
+#[test]
+fn segments_are_drawn_as_far_as_they_are_seen() {
+    let n = town();
+    let [a, b] = [n.grab(DVec2::new(100.0, 200.0), Some(300.0)), n.grab(DVec2::new(900.0, 700.0), Some(200.0))];
+    let [at_a, at_b] = n.locate_segment(a, b).expect("before the eye");
+    assert_near(at_a, DVec2::new(100.0, 200.0));
+    assert_near(at_b, DVec2::new(900.0, 700.0));
+    // From the picture to behind the eye: the end is on the way there, and no number is huge.
+    let behind = n.eye() - n.axes().forward * 500.0 + n.axes().right * 40.0;
+    let [at_a, end] = n.locate_segment(a, behind).expect("one end is seen");
+    assert_near(at_a, DVec2::new(100.0, 200.0));
+    assert!(end.is_finite() && end.abs().max_element() < 1e4, "{end}");
+    let between = pixel(&n, a.lerp(behind, 0.1));
+    assert!((between - at_a).perp_dot(end - at_a).abs() < 1e-3 * (end - at_a).length(), "not on the line");
+    assert_eq!(n.locate_segment(behind, behind * 2.0 - a), None);
+    // Beside the picture, by more than its size.
+    let far = [-9_000.0, -8_000.0].map(|x| n.grab(DVec2::new(x, 300.0), Some(300.0)));
+    assert_eq!(n.locate_segment(far[0], far[1]), None);
+    assert_eq!(n.locate_segment(DVec3::NAN, b), None);
+}
