@@ -6,6 +6,7 @@
 //! synth     writes test scans                               (LAS, LAZ)
 //! source    decoder threads → PointBatch → bounded channel  (knows files, no GPU)
 //! info      what a file says of itself                      (header, VLRs, chunks)
+//! inspect   one point: its record in the file, to the last digit; distances between points
 //! store     batches → random slots of a growing buffer      (permutation, insertion, pages)
 //! render    reproject → fresh → fill → index → resolve      (GPU and CPU backends, one frame plan)
 //! methods   every way to rasterize points, to be measured against each other
@@ -29,6 +30,8 @@ pub mod synth;
 pub mod source;
 
 pub mod info;
+
+pub mod inspect;
 
 pub mod store;
 

@@ -7,10 +7,12 @@ use serde::Serialize;
 
 mod attribute;
 mod attributes;
+mod classes;
 mod extra_bytes;
 
 pub use attribute::{Attribute, UnknownAttribute};
 pub use attributes::{Attributes, WAVE_PACKET_BYTES};
+pub use classes::class_name;
 pub use extra_bytes::{ExtraDimension, ExtraKind, Number};
 
 /// Most points that one [`PointBatch`] carries.
@@ -243,6 +245,12 @@ pub struct FileFacts {
     pub bounds: Bounds,
     /// e.g. "LAZ 1.4, format 7".
     pub kind: String,
+    /// Its coordinate system in few words: names and EPSG codes. `None` if the file does not say.
+    pub crs: Option<String>,
+    /// Length of the unit of its coordinates, metres, if the file says so.
+    pub metres_per_unit: Option<f64>,
+    /// The coordinates are longitudes and latitudes: differences of them are no lengths.
+    pub is_geographic: bool,
     pub record: RecordFacts,
 }
 

@@ -8,6 +8,7 @@ use crate::{
     },
     methods::MethodError,
     render::RenderError,
+    source::RecordError,
     synth::SynthError,
     view::ViewError,
 };
@@ -42,6 +43,11 @@ Exit codes:
   5  an output cannot be written
   6  no device does what was asked (--backend, --method, --size)";
 
+/// [`HELP`] behind a command's examples.
+pub fn after(examples: &str) -> String {
+    format!("{examples}\n\n{HELP}")
+}
+
 /// Why the program ends early.
 #[derive(Debug, thiserror::Error)]
 pub enum CliError {
@@ -51,6 +57,8 @@ pub enum CliError {
     Headless(#[from] HeadlessError),
     #[error("{error}; {help}")]
     NoDevice { error: RenderError, help: &'static str },
+    #[error(transparent)]
+    Record(#[from] RecordError),
     #[error(transparent)]
     Synth(#[from] SynthError),
     #[error(transparent)]
@@ -80,6 +88,8 @@ impl CliError {
                 HeadlessError::Render(RenderError::DeviceLost(_)) | HeadlessError::ReaderEnded => ExitStatus::Internal,
                 HeadlessError::Render(_) => ExitStatus::Device,
             },
+            CliError::Record(RecordError::OutOfRange { .. }) => ExitStatus::Usage,
+            CliError::Record(_) => ExitStatus::Input,
             CliError::Synth(SynthError::Io { .. } | SynthError::Compress { .. }) => ExitStatus::Output,
             CliError::Synth(_) => ExitStatus::Usage,
             CliError::NoDevice { .. } | CliError::View(_) => ExitStatus::Device,

@@ -11,6 +11,7 @@ mod info;
 mod look;
 mod measure;
 mod open;
+mod point;
 mod render;
 mod stability;
 mod steps;
@@ -55,6 +56,9 @@ enum Command {
     /// Print what files say of themselves: header, records, coordinate system, counts
     #[command(after_help = exit::HELP)]
     Info(info::InfoArgs),
+    /// Print all that the file says of a point, by the number of its record
+    #[command(after_help = exit::after(point::EXAMPLES))]
+    Point(point::PointArgs),
     #[command(after_help = exit::HELP)]
     Synth(synth::SynthArgs),
     /// Measure every way to rasterize points on this device, and what each costs in accuracy
@@ -107,6 +111,7 @@ fn run(args: impl IntoIterator<Item = OsString>, started: Instant) -> Result<Exi
     match cli.command {
         Some(Command::Render(args)) => render::run(*args, started),
         Some(Command::Info(args)) => info::run(args),
+        Some(Command::Point(args)) => point::run(args),
         Some(Command::Bench(args)) => bench::run(*args),
         Some(Command::Measure(args)) => measure::run(*args),
         Some(Command::Stability(args)) => stability::run(args),

@@ -131,11 +131,12 @@ shader!(
     "sums_64",
     "resolve_average"
 );
+shader!(PICK, NOTHING, "page", "points", "pick");
 shader!(LIGHT, NOTHING, "group", "project", "light");
 shader!(COPY, NOTHING, "group", "methods/copy");
 
 /// All modules, for the tests.
-pub const ALL: [&Shader; 20] = [
+pub const ALL: [&Shader; 21] = [
     &INSERT,
     &MOVE,
     &RELOCATE,
@@ -154,6 +155,7 @@ pub const ALL: [&Shader; 20] = [
     &AVERAGE_64,
     &RESOLVE_32,
     &RESOLVE_64,
+    &PICK,
     &LIGHT,
     &COPY,
 ];

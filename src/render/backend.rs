@@ -4,7 +4,12 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
-use super::{camera::View, choice::Choice, color::FileColor};
+use super::{
+    camera::View,
+    choice::Choice,
+    color::FileColor,
+    pick::{Pick, PickAt, PickTicket},
+};
 use crate::{
     device::{PassTimes, Passes, Raster, RenderError},
     scene::PointBatch,
@@ -163,6 +168,13 @@ pub trait Backend {
         Ok(())
     }
 
+    /// Asks which point the last frame shows at a pixel. Only [`Progressive`](super::Progressive) knows whether that
+    /// frame still stands. `None` if there is no such pixel.
+    fn pick(&mut self, at: PickAt) -> Option<PickTicket>;
+
+    /// The answer, once it is there; none of a point where none is near, or the question was given up. Never waits.
+    fn picked(&mut self, ticket: PickTicket) -> Option<Option<Pick>>;
+
     /// Waits until the last frame is drawn.
     fn wait(&mut self) -> Result<(), RenderError>;
 
@@ -200,6 +212,12 @@ impl<B: Backend + ?Sized> Backend for Box<B> {
     }
     fn choose(&mut self) -> Result<(), RenderError> {
         (**self).choose()
+    }
+    fn pick(&mut self, at: PickAt) -> Option<PickTicket> {
+        (**self).pick(at)
+    }
+    fn picked(&mut self, ticket: PickTicket) -> Option<Option<Pick>> {
+        (**self).picked(ticket)
     }
     fn wait(&mut self) -> Result<(), RenderError> {
         (**self).wait()

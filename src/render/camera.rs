@@ -199,6 +199,11 @@ pub struct Projected {
 }
 
 impl View {
+    /// Whether both are of pictures of the same width and height.
+    pub fn has_size_of(&self, other: &View) -> bool {
+        (self.width, self.height) == (other.width, other.height)
+    }
+
     /// Whether every position in this box is less than 2³¹ grid steps from the eye on each axis. Kernels made for
     /// that subtract the eye's position once instead of in halves; no bit of a picture changes.
     pub fn is_near(&self, low: [i32; 3], high: [i32; 3]) -> bool {

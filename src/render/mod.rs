@@ -21,6 +21,7 @@ mod frame;
 mod gpu;
 mod in_motion;
 mod look;
+mod pick;
 mod progressive;
 mod shading;
 
@@ -37,7 +38,8 @@ pub use filter::{
     Clause, ClauseError, Clip, ClipBox, ClipError, Filter, Key, MaskRules, RULE_WORDS, Slab, Test, Values, ValuesError,
 };
 pub use frame::{FrameReport, FrameRequest, INSERTION_POINTS, Reprojection, StoreOptions};
-pub use gpu::{GpuBackend, ShadingUniform};
+pub use gpu::{GpuBackend, PickWords, ShadingUniform};
 pub use look::Look;
+pub use pick::{MAX_REACH, Pick, PickAt, PickTicket};
 pub use progressive::Progressive;
 pub use shading::{AVERAGED_DEPTH, EDL_GAIN, MOST_FRAGMENTS};

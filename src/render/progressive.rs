@@ -9,6 +9,7 @@ use super::{
     camera::View,
     color::FileColor,
     frame::{FrameReport, FrameRequest, MAX_POINTS, Reprojection, StoreOptions},
+    pick::{MAX_REACH, Pick, PickAt, PickTicket},
 };
 use crate::{
     device::{PassTimes, Passes, Raster, RenderError},
@@ -52,6 +53,8 @@ pub struct Progressive<B> {
     last_shading: Option<Shading>,
     /// The words of the last frame are those of a picture aside.
     words_are_gone: bool,
+    /// The words of the last frame, whose points are still in the slots that they name.
+    words_stand: bool,
 }
 
 impl<B: Backend> Progressive<B> {
@@ -84,6 +87,7 @@ impl<B: Backend> Progressive<B> {
             last_method: None,
             last_shading: None,
             words_are_gone: false,
+            words_stand: false,
         }
     }
 
@@ -123,6 +127,7 @@ impl<B: Backend> Progressive<B> {
         self.undrawn = 0;
         self.memory_full = false;
         self.last_view = None;
+        self.words_stand = false;
     }
 
     /// True if the next frame could insert more points than are waiting.
@@ -201,6 +206,7 @@ impl<B: Backend> Progressive<B> {
             self.last_times = Some(times);
         }
         // Before points fill the memory.
+        self.words_stand &= self.last_view.is_some_and(|view| view.has_size_of(&request.view));
         self.backend.resize([request.view.width, request.view.height])?;
         let start = Instant::now();
         let limit = self.backend.insertions_per_frame() - self.undrawn;
@@ -249,6 +255,7 @@ impl<B: Backend> Progressive<B> {
         let fill = [0..self.stored, 0..0];
         let plan = FramePlan { aside: true, reproject: false, fresh: false, fill, ..self.empty_plan(request) };
         self.words_are_gone = true;
+        self.words_stand = false;
         self.backend.draw(&plan)?;
         let picture = self.backend.read()?;
         // Its times are none of a frame's: the budget must not learn from them.
@@ -300,6 +307,19 @@ impl<B: Backend> Progressive<B> {
         }
     }
 
+    /// Asks which point the last frame shows at a pixel or near it. `None` if there is no such pixel, or no frame whose
+    /// points are still where it has seen them: ask again after the next.
+    pub fn pick(&mut self, at: PickAt) -> Option<PickTicket> {
+        let at = PickAt { reach: at.reach.min(MAX_REACH), ..at };
+        if self.words_stand { self.backend.pick(at) } else { None }
+    }
+
+    /// The answer to a question, once it is there: on a GPU some milliseconds later, but never waited for. None of a
+    /// point where only background is near, or where eight younger questions were asked.
+    pub fn picked(&mut self, ticket: PickTicket) -> Option<Option<Pick>> {
+        self.backend.picked(ticket)
+    }
+
     /// Brings the last frame back.
     pub fn read(&mut self) -> Result<Picture, RenderError> {
         self.backend.read()
@@ -308,7 +328,9 @@ impl<B: Backend> Progressive<B> {
     fn draw(&mut self, plan: &FramePlan) -> Result<(), RenderError> {
         // If the frame fails, nothing of it counts as tried or shown.
         self.last_view = None;
+        self.words_stand = false;
         self.backend.draw(plan)?;
+        self.words_stand = true;
         self.undrawn = 0;
         self.last_view = Some(plan.view);
         self.last_shading = Some(plan.shading);
@@ -351,6 +373,7 @@ impl<B: Backend> Progressive<B> {
                 return Err(error);
             }
             self.staged.clear();
+            self.words_stand = false;
             self.undrawn += 1;
             self.unsettled |= self.stored > 0;
             self.coverage.note_inserted(self.stored, count);

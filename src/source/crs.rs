@@ -76,7 +76,45 @@ impl Crs {
             Some(9003) => Some(1200.0 / 3937.0),
             _ => None,
         };
-        self.wkt.as_deref().and_then(wkt::metres_per_unit).or(by_key)
+        self.wkt.as_deref().and_then(wkt::metres_per_unit).or(by_key).or_else(|| self.is_utm().then_some(1.0))
+    }
+
+    /// True of the EPSG codes of UTM zones on WGS 84, ETRS89 and NAD83: files that name these alone say no unit.
+    fn is_utm(&self) -> bool {
+        let code = self.horizontal().and_then(|horizontal| horizontal.epsg);
+        code.is_some_and(|code| matches!(code, 32_601..=32_660 | 32_701..=32_760 | 25_828..=25_838 | 26_901..=26_923))
+    }
+
+    /// True if the coordinates are longitudes and latitudes: differences of them are no lengths.
+    pub fn is_geographic(&self) -> bool {
+        match self.wkt.as_deref() {
+            Some(wkt) => wkt::is_geographic(wkt),
+            None => self.projected_epsg.is_none() && self.geographic_epsg.is_some(),
+        }
+    }
+
+    /// In few words, for a list of files: names and EPSG codes, as far as they are known.
+    pub fn short(&self) -> Option<String> {
+        let known = |code: u16| (code != USER_DEFINED && code != 0).then_some(u32::from(code));
+        let words = |part: Option<wkt::WktPart>, code: Option<u16>| {
+            let part = part.unwrap_or_default();
+            let name = Some(part.name).filter(|name| !matches!(&*name.to_lowercase(), "" | "unnamed" | "unknown"));
+            match (name, part.epsg.or(code.and_then(known))) {
+                (Some(name), Some(code)) => Some(format!("{name} (EPSG:{code})")),
+                (Some(name), None) => Some(name),
+                (None, code) => code.map(|code| format!("EPSG:{code}")),
+            }
+        };
+        let wkt = self.wkt.as_deref();
+        // Of a projected system defined by the user, the geographic code says too little.
+        let code = if self.projected_epsg.is_some() { self.projected_epsg } else { self.geographic_epsg };
+        let by_user = || (code == Some(USER_DEFINED)).then(|| "defined by the user".into());
+        let horizontal = words(wkt.and_then(wkt::horizontal), code).or_else(by_user);
+        let vertical = words(wkt.and_then(wkt::vertical), self.vertical_epsg);
+        match (horizontal, vertical) {
+            (Some(horizontal), Some(vertical)) => Some(format!("{horizontal} + {vertical}")),
+            (horizontal, vertical) => horizontal.or(vertical).or_else(|| wkt.map(|_| "without a name".into())),
+        }
     }
 
     fn horizontal(&self) -> Option<Identity> {
@@ -175,6 +213,35 @@ mod tests {
         assert_eq!((crs.projected_epsg, crs.vertical_epsg, crs.geographic_epsg), (Some(25832), Some(5941), None));
         assert_eq!(crs.summary().unwrap(), "projected EPSG:25832, vertical EPSG:5941");
         Crs::default().take_keys(&bytes[..5]);
+    }
+
+    #[test]
+    fn few_words_name_the_system() {
+        let compound = format!(r#"COMPD_CS["both",{UTM_32},VERT_CS["DHHN2016 height",AUTHORITY["EPSG","7837"]]]"#);
+        let unnamed = r#"GEOCCS["unnamed",DATUM["WGS_1984"],UNIT["metre",1]]"#;
+        for (crs, short) in [
+            (Crs::default(), None),
+            (codes(25832, Some(5941)), Some("EPSG:25832 + EPSG:5941")),
+            (codes(USER_DEFINED, None), Some("defined by the user")),
+            (wkt(UTM_32), Some("ETRS89 / UTM zone 32N (EPSG:25832)")),
+            (wkt(&compound), Some("ETRS89 / UTM zone 32N (EPSG:25832) + DHHN2016 height (EPSG:7837)")),
+            (wkt(unnamed), Some("without a name")),
+            (Crs { projected_epsg: Some(2994), ..wkt(r#"PROJCS["Oregon"]"#) }, Some("Oregon (EPSG:2994)")),
+        ] {
+            assert_eq!(crs.short().as_deref(), short, "{crs:?}");
+        }
+    }
+
+    #[test]
+    fn units_and_degrees() {
+        let degrees = wkt(r#"GEOGCS["WGS 84",UNIT["degree",0.0174]]"#);
+        assert!(degrees.is_geographic() && degrees.metres_per_unit().is_none());
+        assert!(Crs { geographic_epsg: Some(4326), ..Default::default() }.is_geographic());
+        let with_datum = Crs { geographic_epsg: Some(4258), ..codes(25832, None) };
+        assert!(!with_datum.is_geographic() && with_datum.metres_per_unit() == Some(1.0));
+        assert_eq!(codes(2994, None).metres_per_unit(), None, "a foot, but nobody says so");
+        let earth_centred = wkt(r#"GEOCCS["unnamed",DATUM["WGS_1984"],UNIT["metre",1]]"#);
+        assert!(!earth_centred.is_geographic() && earth_centred.metres_per_unit() == Some(1.0));
     }
 
     fn wkt(text: &str) -> Crs {

@@ -15,6 +15,7 @@
 //! stream    threads, and how their results get into that order
 //! work      what a thread does: LAS records, LAZ chunks (laz, kept) → columns (record, attributes)
 //! report    what came of it, per file and per thread
+//! lookup    one record, read back by its number
 //! ```
 
 use std::{
@@ -31,7 +32,7 @@ use crossbeam_channel::{Receiver, Sender, bounded};
 
 use crate::scene::{PointBatch, SceneFacts};
 
-mod attributes;
+pub(crate) mod attributes;
 mod bytes;
 pub(crate) mod chunks;
 mod control;
@@ -44,8 +45,9 @@ mod grid;
 pub(crate) mod header;
 mod inputs;
 mod kept;
-mod layout;
+pub(crate) mod layout;
 mod laz;
+mod lookup;
 mod order;
 mod plan;
 mod record;
@@ -60,6 +62,7 @@ pub use error::SourceError;
 pub use fields::Fields;
 pub use inputs::list as list_files;
 pub use laz::DecoderChoice;
+pub use lookup::{RecordError, RecordFile, file_of_record};
 pub use order::Order;
 pub use report::{FileReport, SourceReport, ThreadTimes};
 

@@ -135,7 +135,8 @@ fn put_in_order(files: &mut [FilePlan], options: &OpenOptions) -> Vec<Task> {
     tasks
 }
 
-fn open_file(
+/// Reads one file's header and where its points are; `first_record` is its first point's number in the scene.
+pub fn open_file(
     path: &Path,
     fields: Option<Fields>,
     first_record: u64,
@@ -222,6 +223,9 @@ impl FilePlan {
             points_in_header: self.points,
             bounds: self.bounds,
             kind: self.header.kind(),
+            crs: self.crs.short(),
+            metres_per_unit: self.crs.metres_per_unit(),
+            is_geographic: self.crs.is_geographic(),
             record: RecordFacts {
                 format: self.header.format,
                 scan_angle_step: if self.reader.layout.extended { 0.006 } else { 1.0 },

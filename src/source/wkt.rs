@@ -33,6 +33,18 @@ pub fn vertical(wkt: &str) -> Option<WktPart> {
     part(wkt, &VERTICAL)
 }
 
+/// True if the outermost horizontal system has longitudes and latitudes. (One of WKT 2's geodetic systems may also be
+/// earth-centred, and then says a length.)
+pub fn is_geographic(wkt: &str) -> bool {
+    const GEOGRAPHIC: [&str; 5] = ["GEOGCS", "GEOGCRS", "GEOGRAPHICCRS", "GEODCRS", "GEODETICCRS"];
+    let is = |word: &str, names: &[&str]| names.iter().any(|name| name.eq_ignore_ascii_case(word));
+    let first = tokens(wkt).find_map(|token| match token {
+        Token::Word(word) if is(word, &HORIZONTAL) => Some(word),
+        _ => None,
+    });
+    first.is_some_and(|word| is(word, &GEOGRAPHIC)) && metres_per_unit(wkt).is_none()
+}
+
 /// One step through a WKT.
 enum Token<'a> {
     Word(&'a str),
@@ -103,7 +115,8 @@ fn part(wkt: &str, keywords: &[&str]) -> Option<WktPart> {
 /// Length of the unit of the projected (or local) system's coordinates, metres: `UNIT` of WKT 1, which stands in the
 /// system itself, or `LENGTHUNIT` of WKT 2, there or in an axis. Those of ellipsoids and of angles stand elsewhere.
 pub fn metres_per_unit(wkt: &str) -> Option<f64> {
-    const HOLDERS: [&str; 7] = ["PROJCS", "PROJCRS", "PROJECTEDCRS", "LOCAL_CS", "ENGCRS", "ENGINEERINGCRS", "AXIS"];
+    const HOLDERS: [&str; 8] =
+        ["PROJCS", "PROJCRS", "PROJECTEDCRS", "GEOCCS", "LOCAL_CS", "ENGCRS", "ENGINEERINGCRS", "AXIS"];
     let is = |word: &str, names: &[&str]| names.iter().any(|name| name.eq_ignore_ascii_case(word));
     let mut open: Vec<&str> = Vec::new();
     let mut word = "";

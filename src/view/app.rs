@@ -2,27 +2,24 @@
 
 use std::{path::PathBuf, time::Duration};
 
-use eframe::{
-    egui::{self, Color32, Context, Id, Rect, Response, Sense, Ui},
-    egui_wgpu::RenderState,
-};
-use glam::DVec2;
-
 use super::{
     Options,
     blit::Blit,
-    input::{self, Hand},
-    keys::{self, Command},
+    keys::Command,
     loading::Loading,
     messages::Messages,
     navigation::StandardView,
     overlay::{self, Averages, Status},
     pace::Pace,
-    probe::Probe,
     scene_state::{self, SceneState},
     settings::Settings,
+    touch::Touch,
 };
 use crate::render::{Backend, FillBudget, GpuBackend, RenderError, Shading};
+use eframe::{
+    egui::{self, Color32, Context, Id, Rect, Sense, Ui},
+    egui_wgpu::RenderState,
+};
 
 /// How often the numbers are brought up to date while nothing else asks for a frame.
 const STATUS_INTERVAL: Duration = Duration::from_millis(250);
@@ -30,8 +27,7 @@ const STATUS_INTERVAL: Duration = Duration::from_millis(250);
 pub struct App {
     scene: SceneState,
     blit: Blit,
-    hand: Hand,
-    probe: Probe,
+    touch: Touch,
     settings: Settings,
     messages: Messages,
     /// Of the picture, in pixels.
@@ -47,8 +43,7 @@ impl App {
         let mut app = App {
             scene: SceneState::new(backend, &options, software),
             blit: Blit::new(&state.device, state.target_format),
-            hand: Hand::default(),
-            probe: Probe::new(&state.device, &state.queue),
+            touch: Touch::default(),
             settings: Settings::new(&options),
             messages: Messages::default(),
             size: [0, 0],
@@ -64,21 +59,16 @@ impl App {
     fn advance(&mut self) -> bool {
         let advance = self.scene.advance(&mut self.messages, &self.settings, self.size);
         self.pace.note_drawn(advance.drawn);
+        if advance.drawn {
+            self.touch.note_drawn();
+        }
         advance.again
     }
 
     fn take_incoming(&mut self, ctx: &Context) {
         if self.scene.take_incoming(ctx, &mut self.messages, self.size) {
             // What was kept of the scene before means nothing in this one.
-            self.hand = Hand::default();
-        }
-    }
-
-    /// What keys and buttons ask for; `cursor` is the pixel that it is about.
-    fn obey(&mut self, ctx: &Context, command: Command, cursor: DVec2) {
-        self.settings.obey(command);
-        if let Some(navigation) = &mut self.scene.navigation {
-            self.hand.obey(command, ctx, navigation, cursor, self.settings.smooth);
+            self.touch = Touch::default();
         }
     }
 
@@ -164,38 +154,6 @@ impl App {
         }
     }
 
-    /// Mouse and keys; true if the next frame should follow at once.
-    fn steer(&mut self, ctx: &Context, picture: &Response) -> bool {
-        let keys = !ctx.egui_wants_keyboard_input();
-        let Some(navigation) = &mut self.scene.navigation else {
-            for command in keys.then(|| keys::pressed(ctx)).into_iter().flatten() {
-                self.settings.obey(command);
-            }
-            return false;
-        };
-        navigation.resize(self.size);
-        let cursor = self.hand.cursor(ctx, picture, navigation);
-        let mut again = self.hand.steer(ctx, picture, navigation, keys);
-        let double_clicked = picture.double_clicked_by(egui::PointerButton::Primary).then_some(Command::Center);
-        let commands = keys.then(|| keys::pressed(ctx)).into_iter().flatten();
-        for command in commands.chain(double_clicked) {
-            self.obey(ctx, command, cursor);
-            again = true;
-        }
-        again
-    }
-
-    /// Asks what the cursor is on, for the next move of the mouse.
-    fn feel(&mut self, ctx: &Context, picture: &Response) {
-        if picture.contains_pointer()
-            && let Some(at) = ctx.input(|i| i.pointer.hover_pos())
-            && let Some(navigation) = &self.scene.navigation
-            && let Some((words, size)) = self.scene.progressive.backend().words_buffer()
-        {
-            self.probe.ask(words, size, input::pixel(ctx, picture, at), navigation);
-        }
-    }
-
     fn paint(&mut self, ui: &Ui, rect: Rect) {
         if let Some((picture, size)) = self.scene.picture() {
             let callback = self.blit.paint(rect, picture, size, Shading::default().background);
@@ -228,11 +186,8 @@ impl eframe::App for App {
         self.take_incoming(&ctx);
 
         let picture = ui.interact(rect, Id::unique("picture"), Sense::click_and_drag());
-        if let Some(touched) = self.probe.answer() {
-            self.hand.touched = touched;
-        }
         let before = self.settings.clone();
-        let mut moving = self.steer(&ctx, &picture);
+        let mut moving = self.touch.steer(&ctx, &picture, self.size, &mut self.scene, &mut self.settings);
         moving |= self.settings != before;
 
         // Nobody will see the frame after the last.
@@ -242,12 +197,14 @@ impl eframe::App for App {
             self.measure_at_rest(&ctx);
         }
         self.paint(ui, rect);
-        self.feel(&ctx, &picture);
+        self.touch.feel(&ctx, &picture, &mut self.scene);
 
         // Last, so that the numbers are those of the picture; what it changes is for the next frame.
         let before = self.settings.clone();
-        if let Some(view) = self.show_overlay(ui, rect) {
-            self.obey(&ctx, Command::Show(view), DVec2::ZERO);
+        let mut commands = self.touch.show(ui, &picture, &self.scene, &mut self.settings);
+        commands.extend(self.show_overlay(ui, rect).map(Command::Show));
+        for command in commands {
+            self.touch.obey(&ctx, command, &mut self.scene, &mut self.settings);
             again = true;
         }
         again |= self.settings != before;

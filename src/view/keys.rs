@@ -2,7 +2,7 @@
 
 use eframe::egui::{Context, Event, Key, Modifiers};
 
-use super::navigation::StandardView;
+use super::{navigation::StandardView, tools::Tool};
 
 /// What a key asks for, once per press.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -20,7 +20,16 @@ pub enum Command {
     GoToBookmark(usize),
     /// Keeps the camera as the bookmark with this number.
     SetBookmark(usize),
-    /// Puts away what is on top.
+    Take(Tool),
+    /// As a click at the cursor.
+    Click,
+    /// Ends the line that is being measured.
+    Finish,
+    /// Takes away what was added last.
+    Remove,
+    /// Copies the last card or measurement as text.
+    Copy,
+    /// Puts away what is on top: help, a line that is being measured, the last card.
     Close,
     SmallerPoints,
     LargerPoints,
@@ -34,15 +43,17 @@ pub enum Command {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Section {
     Move,
+    Inspect,
     Show,
 }
 
 impl Section {
-    pub const ALL: [Section; 2] = [Section::Move, Section::Show];
+    pub const ALL: [Section; 3] = [Section::Move, Section::Inspect, Section::Show];
 
     pub fn title(self) -> &'static str {
         match self {
             Section::Move => "Move",
+            Section::Inspect => "Inspect",
             Section::Show => "Show",
         }
     }
@@ -68,6 +79,10 @@ struct Press {
 
 const fn plain(key: Key) -> Press {
     Press { key, command: false, shift: Some(false) }
+}
+
+const fn shift(key: Key) -> Press {
+    Press { key, command: false, shift: Some(true) }
 }
 
 const fn sign(key: Key) -> Press {
@@ -100,12 +115,7 @@ const fn bookmarks<const SET: bool>() -> [(Press, Command); 9] {
     presses
 }
 
-const fn row(
-    section: Section,
-    keys: &'static str,
-    what: &'static str,
-    presses: &'static [(Press, Command)],
-) -> Row {
+const fn row(section: Section, keys: &'static str, what: &'static str, presses: &'static [(Press, Command)]) -> Row {
     Row { section, keys, what, presses }
 }
 
@@ -157,15 +167,34 @@ pub const ROWS: &[Row] = &[
         Section::Move,
         "Ctrl + Z, Ctrl + Y",
         "undo a camera move, and redo it",
-        &[
-            (ctrl(Key::Z), Command::Undo),
-            (ctrl(Key::Y), Command::Redo),
-            (ctrl_shift(Key::Z), Command::Redo),
-        ],
+        &[(ctrl(Key::Z), Command::Undo), (ctrl(Key::Y), Command::Redo), (ctrl_shift(Key::Z), Command::Redo)],
     ),
     row(Section::Move, "K", "keep this view as a bookmark", &[(plain(Key::K), Command::AddBookmark)]),
     row(Section::Move, "Ctrl + 1 … 9", "go to a bookmark", &bookmarks::<false>()),
     row(Section::Move, "Ctrl + Shift + 1 … 9", "set a bookmark to this view", &bookmarks::<true>()),
+    row(Section::Inspect, "I", "inspect: a click pins a card", &[(plain(Key::I), Command::Take(Tool::Inspect))]),
+    row(Section::Inspect, "M", "measure a distance", &[(plain(Key::M), Command::Take(Tool::Distance))]),
+    row(Section::Inspect, "P", "measure along a line of points", &[(plain(Key::P), Command::Take(Tool::Polyline))]),
+    row(
+        Section::Inspect,
+        "X, Shift + X",
+        "clipping box, slab",
+        &[(plain(Key::X), Command::Take(Tool::Box)), (shift(Key::X), Command::Take(Tool::Slab))],
+    ),
+    row(
+        Section::Inspect,
+        "Space, Enter",
+        "click at the cursor; end a line of points",
+        &[(plain(Key::Space), Command::Click), (plain(Key::Enter), Command::Finish)],
+    ),
+    row(
+        Section::Inspect,
+        "Backspace, Delete",
+        "take away the last point, line or card",
+        &[(plain(Key::Backspace), Command::Remove), (plain(Key::Delete), Command::Remove)],
+    ),
+    // The system's word for it, which other programs' keys give as well, comes as an event of its own.
+    row(Section::Inspect, "Ctrl + C", "copy the last card or measurement", &[]),
     row(
         Section::Show,
         "[ ]  or  - =",
@@ -179,12 +208,7 @@ pub const ROWS: &[Row] = &[
         ],
     ),
     row(Section::Show, "L", "eye-dome lighting on or off", &[(plain(Key::L), Command::ToggleLighting)]),
-    row(
-        Section::Show,
-        "B",
-        "high quality (blends near points) on or off",
-        &[(plain(Key::B), Command::ToggleQuality)],
-    ),
+    row(Section::Show, "B", "high quality (blends near points) on or off", &[(plain(Key::B), Command::ToggleQuality)]),
     row(Section::Show, "O", "the bar on or off", &[(plain(Key::O), Command::ToggleBar)]),
     row(
         Section::Show,
@@ -202,14 +226,33 @@ pub fn pressed(ctx: &Context) -> Vec<Command> {
 }
 
 fn command_of(event: &Event) -> Option<Command> {
-    let Event::Key { key, physical_key, pressed: true, modifiers, repeat } = event else { return None };
+    match event {
+        Event::Copy => Some(Command::Copy),
+        Event::Key { key, physical_key, pressed: true, modifiers, repeat } => {
             let means = |key| presses().find(|(press, _)| press.fits(key, *modifiers));
             // With Shift, and without on French keyboards, the digits' keys type something else.
             let digit = physical_key.filter(|key| DIGITS.contains(key));
             let command = means(*key).or_else(|| means(digit?))?.1;
             // A key that is held must not switch something to and fro.
-            let repeats = matches!(command, Command::SmallerPoints | Command::LargerPoints | Command::Undo | Command::Redo);
+            let repeats =
+                matches!(command, Command::SmallerPoints | Command::LargerPoints | Command::Undo | Command::Redo);
             (!repeat || repeats).then_some(command)
+        }
+        _ => None,
+    }
+}
+
+/// Name of the first key that asks for this, for hints beside buttons.
+pub fn of(command: Command) -> Option<String> {
+    let (press, _) = presses().find(|(_, other)| *other == command)?;
+    let mut name = String::new();
+    if press.command {
+        name += "Ctrl + ";
+    }
+    if press.shift == Some(true) {
+        name += "Shift + ";
+    }
+    Some(name + press.key.symbol_or_name())
 }
 
 fn presses() -> impl Iterator<Item = (Press, Command)> {
@@ -274,5 +317,9 @@ mod tests {
         assert_eq!(command_of(&exclamation_mark), Some(Command::SetBookmark(1)));
         assert_eq!(event(Key::Questionmark, Modifiers::SHIFT, false), Some(Command::ToggleHelp));
         assert_eq!(event(Key::L, Modifiers::NONE, true), None, "held, it would flicker");
+        assert_eq!(command_of(&Event::Copy), Some(Command::Copy));
+        assert_eq!(of(Command::Redo).as_deref(), Some("Ctrl + Y"));
+        assert_eq!(of(Command::Take(Tool::Slab)).as_deref(), Some("Shift + X"));
+        assert_eq!(of(Command::Copy), None);
     }
 }

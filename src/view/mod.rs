@@ -17,6 +17,8 @@ mod pace;
 mod probe;
 mod scene_state;
 mod settings;
+mod tools;
+mod touch;
 
 use std::{path::PathBuf, sync::Arc};
 

@@ -251,20 +251,29 @@ pub fn help(ctx: &egui::Context, settings: &mut Settings) {
     let area = area.sense(Sense::click());
     let shown = area.show(ctx, |ui| {
         frame.show(ui, |ui| {
-            for section in keys::Section::ALL {
-                ui.label(small(section.title()).strong().color(ACCENT));
-                egui::Grid::new(section.title()).num_columns(2).spacing(vec2(24.0, 5.0)).show(ui, |ui| {
-                    for row in keys::ROWS.iter().filter(|row| row.section == section) {
-                        ui.label(small(row.keys).strong().color(Color32::WHITE));
-                        ui.label(small(row.what));
-                        ui.end_row();
-                    }
+            ui.horizontal_top(|ui| {
+                ui.vertical(|ui| help_section(ui, keys::Section::Move));
+                ui.add_space(18.0);
+                ui.vertical(|ui| {
+                    help_section(ui, keys::Section::Inspect);
+                    help_section(ui, keys::Section::Show);
                 });
-                ui.add_space(6.0);
-            }
+            });
         });
     });
     if shown.response.clicked() {
         settings.help = false;
     }
+}
+
+fn help_section(ui: &mut Ui, section: keys::Section) {
+    ui.label(small(section.title()).strong().color(ACCENT));
+    egui::Grid::new(section.title()).num_columns(2).spacing(vec2(18.0, 5.0)).show(ui, |ui| {
+        for row in keys::ROWS.iter().filter(|row| row.section == section) {
+            ui.label(small(row.keys).strong().color(Color32::WHITE));
+            ui.label(small(row.what));
+            ui.end_row();
+        }
+    });
+    ui.add_space(6.0);
 }

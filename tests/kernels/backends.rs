@@ -80,6 +80,12 @@ macro_rules! as_the_processor {
         fn set_relocation(&mut self, on: bool) {
             self.cpu.set_relocation(on);
         }
+        fn pick(&mut self, at: firstlight::render::PickAt) -> Option<firstlight::render::PickTicket> {
+            self.cpu.pick(at)
+        }
+        fn picked(&mut self, ticket: firstlight::render::PickTicket) -> Option<Option<firstlight::render::Pick>> {
+            self.cpu.picked(ticket)
+        }
         fn wait(&mut self) -> Result<(), firstlight::render::RenderError> {
             self.cpu.wait()
         }

@@ -6,7 +6,8 @@ use std::sync::Arc;
 use firstlight::{
     render::{
         AVERAGED_DEPTH, Averaging, Backend, BackendInfo, Camera, CpuBackend, FileColor, FillBudget, FramePlan,
-        FrameRequest, GpuBackend, PassTimes, Picture, Progressive, Raster, RenderError, Shading, Sums, View,
+        FrameRequest, GpuBackend, PassTimes, Pick, PickAt, PickTicket, Picture, Progressive, Raster, RenderError,
+        Shading, Sums, View,
     },
     scene::{ColorRule, PointBatch},
     store::Insertion,
@@ -413,6 +414,12 @@ impl Backend for Summing {
     }
     fn pass_times(&mut self) -> Option<PassTimes> {
         self.backend().pass_times()
+    }
+    fn pick(&mut self, at: PickAt) -> Option<PickTicket> {
+        self.backend().pick(at)
+    }
+    fn picked(&mut self, ticket: PickTicket) -> Option<Option<Pick>> {
+        self.backend().picked(ticket)
     }
     fn wait(&mut self) -> Result<(), RenderError> {
         self.backend().wait()

@@ -12,6 +12,7 @@ mod choice;
 mod cloud;
 mod convergence;
 mod high_quality;
+mod pick;
 mod projection;
 mod shaders;
 mod slow;

@@ -5,7 +5,7 @@ use std::mem::offset_of;
 
 use firstlight::{
     gpu::shaders::{self, Shader},
-    render::{FileColor, ShadingUniform, View},
+    render::{FileColor, PickWords, ShadingUniform, View},
     store::gpu::InsertionUniform,
 };
 use naga::valid::Capabilities;
@@ -67,6 +67,10 @@ fn host_structs_have_the_layout_of_the_shaders() {
         host_layout!(InsertionUniform: old_points, new_points, left_bits, right_bits, keys, fresh_before, staging_capacity, domain, shift)
     );
     assert_eq!(layout_of(&shaders::RESOLVE, "FileColor"), host_layout!(FileColor: first_record, kind, low, high));
+    assert_eq!(
+        layout_of(&shaders::PICK, "Pick"),
+        host_layout!(PickWords: width, height, x, y, reach, pixel, slot, depth, record, position_x, position_y, position_z)
+    );
     assert_eq!(
         layout_of(&shaders::LIGHT, "Shading"),
         host_layout!(ShadingUniform: edl_factor, background, unused_a, unused_b)

@@ -23,6 +23,7 @@ mod checksums;
 mod described;
 mod made;
 mod real;
+mod records;
 mod streams;
 
 /// The folder of real files, if there is one.

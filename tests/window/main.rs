@@ -9,6 +9,7 @@
 
 mod display;
 mod moves;
+mod tools;
 mod viewer;
 mod xserver;
 

@@ -14,8 +14,8 @@ use crate::{
     headless::{BackendChoice, default_camera, make_backend},
     measure::stats::quantile,
     render::{
-        Backend, BackendInfo, Camera, FillBudget, FramePlan, FrameReport, FrameRequest, INSERTION_POINTS, Picture,
-        Progressive, RasterChoice, Shading, StoreOptions, Sums,
+        Backend, BackendInfo, Camera, FillBudget, FramePlan, FrameReport, FrameRequest, INSERTION_POINTS, Pick, PickAt,
+        PickTicket, Picture, Progressive, RasterChoice, Shading, StoreOptions, Sums,
     },
     scene::{PointBatch, SceneFacts},
     source::{self, Event, SourceError},
@@ -341,6 +341,12 @@ impl Backend for Timed {
     }
     fn choose(&mut self) -> Result<(), RenderError> {
         self.inner.choose()
+    }
+    fn pick(&mut self, at: PickAt) -> Option<PickTicket> {
+        self.inner.pick(at)
+    }
+    fn picked(&mut self, ticket: PickTicket) -> Option<Option<Pick>> {
+        self.inner.picked(ticket)
     }
     fn wait(&mut self) -> Result<(), RenderError> {
         self.inner.wait()

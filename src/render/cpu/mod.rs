@@ -4,6 +4,7 @@
 
 mod average;
 mod index;
+mod pick;
 mod raster;
 mod resolve;
 mod store;
@@ -13,7 +14,8 @@ use std::{ops::Range, sync::atomic::AtomicU64, thread::available_parallelism, ti
 
 use self::{average::PixelSums, resolve::Resolved, store::PointStore, threads::map_parts};
 use super::{
-    Averaging, Backend, BackendInfo, FramePlan, PassTimes, Picture, Raster, RenderError, Sums, View, elevation_ramp,
+    Averaging, Backend, BackendInfo, FramePlan, PassTimes, Pick, PickAt, PickTicket, Picture, Raster, RenderError,
+    Sums, View, elevation_ramp, pick::Picks,
 };
 use crate::{scene::PointBatch, store::Insertion};
 
@@ -50,6 +52,7 @@ pub struct CpuBackend {
     /// Insertions since the last frame.
     insertions: u32,
     times: Option<PassTimes>,
+    picks: Picks<Option<Pick>>,
 }
 
 impl CpuBackend {
@@ -73,6 +76,7 @@ impl CpuBackend {
             insert_secs: 0.0,
             insertions: 0,
             times: None,
+            picks: Picks::default(),
         }
     }
 
@@ -277,6 +281,15 @@ impl Backend for CpuBackend {
 
     fn pass_times(&mut self) -> Option<PassTimes> {
         self.times.take()
+    }
+
+    fn pick(&mut self, at: PickAt) -> Option<PickTicket> {
+        let is_inside = at.pixel[0] < self.width && at.pixel[1] < self.height;
+        is_inside.then(|| self.picks.open(pick::pick(&self.words, self.width, &self.store, at)).0)
+    }
+
+    fn picked(&mut self, ticket: PickTicket) -> Option<Option<Pick>> {
+        Some(self.picks.close(ticket).flatten())
     }
 
     fn wait(&mut self) -> Result<(), RenderError> {

@@ -7,25 +7,27 @@ mod compute;
 mod hardware;
 mod index;
 mod measure;
+mod pick;
 mod probe;
 mod resolve;
 mod sources;
 mod targets;
 
-pub use self::resolve::ShadingUniform;
 use self::{
     average::Average,
     compute::{ComputeRaster, Kernels},
     hardware::HardwareRaster,
     index::IndexBuild,
     measure::Chooser,
+    pick::Picker,
     resolve::Resolve,
     sources::{Source, SourceBinder, Sources},
     targets::{TargetLayouts, Targets},
 };
+pub use self::{pick::PickWords, resolve::ShadingUniform};
 use super::{
-    Averaging, Backend, BackendInfo, Candidate, FramePlan, Measured, PassTimes, Picture, RasterChoice, RenderError,
-    Sums, View,
+    Averaging, Backend, BackendInfo, Candidate, FramePlan, Measured, PassTimes, Pick, PickAt, PickTicket, Picture,
+    RasterChoice, RenderError, Sums, View,
 };
 use crate::{
     gpu::{
@@ -61,6 +63,7 @@ pub struct GpuBackend {
     resolve: Resolve,
     /// For high-quality shading, once it was asked for.
     average: Option<Average>,
+    picker: Picker,
     timer: FrameTimer,
     lost: std::sync::Arc<std::sync::Mutex<Option<String>>>,
 }
@@ -128,6 +131,7 @@ impl GpuBackend {
             index: IndexBuild::new(&device, &layouts),
             resolve: Resolve::new(&device, &queue, &layouts, &store.pages),
             average: None,
+            picker: Picker::new(&device, &store.pages),
             timer: FrameTimer::new(&device, &queue, adapter.device_type),
             store,
             layouts,
@@ -142,12 +146,6 @@ impl GpuBackend {
     /// the size of the picture changed.
     pub fn picture_buffer(&self) -> Option<(&wgpu::Buffer, [u32; 2])> {
         self.targets.as_ref().map(|targets| (&targets.picture, targets.size))
-    }
-
-    /// The words of the last frame, in the same order: slot (all ones: background), then the bits of the
-    /// depth.
-    pub fn words_buffer(&self) -> Option<(&wgpu::Buffer, [u32; 2])> {
-        self.targets.as_ref().map(|targets| (&targets.words, targets.size))
     }
 
     /// The store, for measuring with other settings than a viewer's.
@@ -331,6 +329,17 @@ impl Backend for GpuBackend {
 
     fn choose(&mut self) -> Result<(), RenderError> {
         self.measure_all()
+    }
+
+    fn pick(&mut self, at: PickAt) -> Option<PickTicket> {
+        let targets = self.targets.as_ref().filter(|targets| (0..2).all(|a| at.pixel[a] < targets.size[a]))?;
+        Some(self.picker.ask(&self.device, &self.queue, targets, &self.store.pages, at))
+    }
+
+    fn picked(&mut self, ticket: PickTicket) -> Option<Option<Pick>> {
+        // An error here is a lost device, which the next frame reports.
+        let _ = self.device.poll(wgpu::PollType::Poll);
+        self.picker.answer(ticket)
     }
 
     fn wait(&mut self) -> Result<(), RenderError> {

@@ -30,7 +30,7 @@ impl Glide {
     /// and the distance changes by equal factors in equal times.
     pub fn at(&self, now: f64) -> (Camera, bool) {
         let part = (now - self.began) / SECS;
-        if !(part < 1.0) {
+        if part.is_nan() || part >= 1.0 {
             return (self.to, true);
         }
         let part = part.max(0.0);

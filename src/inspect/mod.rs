@@ -1,0 +1,25 @@
+//! One point and what lies between points, to the last digit that the file has.
+//!
+//! [`PointRecord`] is a record as it is in the file, found by its number: what a picture keeps of a point (a position on
+//! the scene's grid, a colour) says where to look, and the rest is read when somebody asks. [`card`](PointRecord::card)
+//! is what a window shows of it; text, JSON and CSV say the same.
+//!
+//! ```text
+//! record     a record's fields, from its bytes
+//! fields     the same as named values: JSON, CSV
+//! card       the same for people
+//! decimal    exact decimal numbers
+//! gps_time   what times count from
+//! measure    distances, lengths and areas
+//! ```
+
+mod card;
+mod decimal;
+mod fields;
+mod gps_time;
+mod record;
+
+pub use decimal::{Decimal, scaled, shortest};
+pub use fields::{Field, Value};
+pub use gps_time::GpsEpoch;
+pub use record::{ExtraValue, Flags, PointRecord, WavePacket};
