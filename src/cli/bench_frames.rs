@@ -12,7 +12,8 @@ use clap::Args;
 use super::{
     CliError, ExitStatus,
     render::{BackendArg, backend_choice},
-    say, values,
+    say,
+    values::{self, EncodingChoice},
 };
 use crate::{
     headless::{Destination, HeadlessError, OutputError, make_backend},
@@ -51,6 +52,9 @@ pub struct BenchFramesArgs {
     /// size; auto measures which is the fastest
     #[arg(long, value_name = "auto|NAME", default_value = "auto", value_parser = values::parse_method)]
     method: RasterChoice,
+    /// How positions lie in memory
+    #[arg(long, value_enum, default_value_t)]
+    encoding: EncodingChoice,
     /// High-quality shading
     #[arg(long)]
     hq: bool,
@@ -88,6 +92,7 @@ pub fn run(args: BenchFramesArgs, started: Instant) -> Result<ExitStatus, CliErr
         at: args.at,
         frames: args.frames,
         high_quality: args.hq,
+        encoding: args.encoding.encoding(),
     };
     let report = bench_frames(&settings, feed, backend, decoded, started)?;
     // If nobody reads the table, the report is still written.

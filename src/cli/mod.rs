@@ -6,11 +6,14 @@
 mod bench;
 mod bench_frames;
 mod bench_ingest;
+mod examples;
 mod exit;
 mod info;
 mod look;
+mod manual;
 mod measure;
 mod open;
+mod pick;
 mod point;
 mod render;
 mod stability;
@@ -38,7 +41,7 @@ pub use values::parse_count;
 #[command(
     version,
     args_conflicts_with_subcommands = true,
-    after_help = exit::HELP,
+    after_help = examples::before_codes(examples::OPEN),
     override_usage = "firstlight [OPTIONS] IN…\n       firstlight render IN… -o OUT.png [OPTIONS]"
 )]
 struct Cli {
@@ -51,31 +54,40 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Write the picture as a PNG, without a window
-    #[command(after_help = exit::HELP)]
+    #[command(after_help = examples::before_codes(examples::RENDER))]
     Render(Box<render::RenderArgs>),
     /// Print what files say of themselves: header, records, coordinate system, counts
-    #[command(after_help = exit::HELP)]
+    #[command(after_help = examples::before_codes(examples::INFO))]
     Info(info::InfoArgs),
     /// Print all that the file says of a point, by the number of its record
-    #[command(after_help = exit::after(point::EXAMPLES))]
+    #[command(after_help = examples::before_codes(examples::POINT))]
     Point(point::PointArgs),
-    #[command(after_help = exit::HELP)]
+    /// Print all that the file says of the points that a picture shows at some pixels
+    #[command(after_help = examples::before_codes(examples::PICK))]
+    Pick(Box<pick::PickArgs>),
+    #[command(after_help = examples::before_codes(examples::SYNTH))]
     Synth(synth::SynthArgs),
     /// Measure every way to rasterize points on this device, and what each costs in accuracy
-    #[command(after_help = bench::HELP)]
+    #[command(after_help = examples::before(examples::BENCH, bench::HELP))]
     Bench(Box<bench::BenchArgs>),
     /// Measure how wrong the picture is, frame by frame: while loading, at rest and in motion
-    #[command(after_help = measure::HELP)]
+    #[command(after_help = examples::before(examples::MEASURE, measure::HELP))]
     Measure(Box<measure::MeasureArgs>),
     /// Show where methods fail, and that this program's choices do not
-    #[command(after_help = stability::HELP)]
+    #[command(after_help = examples::before(examples::STABILITY, stability::HELP))]
     Stability(stability::StabilityArgs),
     /// Time frames while a scene grows: does the frame time stay flat?
-    #[command(after_help = exit::HELP)]
+    #[command(after_help = examples::before_codes(examples::BENCH_FRAMES))]
     BenchFrames(bench_frames::BenchFramesArgs),
     /// Measure how fast points come from files to the screen, against ceilings and other programs
-    #[command(after_help = bench_ingest::HELP)]
+    #[command(after_help = examples::before(examples::BENCH_INGEST, bench_ingest::HELP))]
     BenchIngest(bench_ingest::BenchIngestArgs),
+    /// Print a script that completes commands and options in a shell
+    #[command(after_help = examples::COMPLETIONS)]
+    Completions(manual::CompletionsArgs),
+    /// Print the manual page, or write the pages of all commands
+    #[command(after_help = examples::MAN)]
+    Man(manual::ManArgs),
 }
 
 /// Runs the program. `started` is where reported seconds begin.
@@ -111,12 +123,15 @@ fn run(args: impl IntoIterator<Item = OsString>, started: Instant) -> Result<Exi
     match cli.command {
         Some(Command::Render(args)) => render::run(*args, started),
         Some(Command::Info(args)) => info::run(args),
+        Some(Command::Pick(args)) => pick::run(*args, started),
         Some(Command::Point(args)) => point::run(args),
         Some(Command::Bench(args)) => bench::run(*args),
         Some(Command::Measure(args)) => measure::run(*args),
         Some(Command::Stability(args)) => stability::run(args),
         Some(Command::BenchFrames(args)) => bench_frames::run(args, started),
         Some(Command::BenchIngest(args)) => bench_ingest::run(args),
+        Some(Command::Completions(args)) => manual::completions(args, Cli::command()),
+        Some(Command::Man(args)) => manual::man(args, Cli::command()),
         Some(Command::Synth(args)) => {
             synth::run(&args)?;
             Ok(ExitStatus::Ok)
@@ -147,4 +162,111 @@ fn keep_panic_messages() {
             default_hook(info);
         }
     }));
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::PathBuf;
+
+    use super::*;
+    use crate::render::{Camera, Look, Shading};
+
+    /// A POSIX shell's words, as far as plain and single-quoted text goes; up to the first pipe, redirection or comment.
+    fn words(line: &str) -> Vec<String> {
+        let mut words = Vec::new();
+        let mut word: Option<String> = None;
+        let (mut is_quoted, mut is_escaped) = (false, false);
+        for c in line.chars() {
+            match c {
+                _ if is_escaped => {
+                    word.get_or_insert_default().push(c);
+                    is_escaped = false;
+                }
+                '\'' => {
+                    is_quoted = !is_quoted;
+                    word.get_or_insert_default();
+                }
+                _ if is_quoted => word.get_or_insert_default().push(c),
+                '\\' => is_escaped = true,
+                '|' | '>' | '#' if word.is_none() => break,
+                ' ' => words.extend(word.take()),
+                c => word.get_or_insert_default().push(c),
+            }
+        }
+        words.extend(word);
+        words
+    }
+
+    #[test]
+    fn every_command_has_examples_that_parse() {
+        let mut command = Cli::command();
+        command.build();
+        let commands: Vec<clap::Command> =
+            command.get_subcommands().filter(|c| c.get_name() != "help").cloned().chain([command.clone()]).collect();
+        for command in commands {
+            let help = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+            let examples: Vec<&str> = help.lines().filter(|line| line.starts_with("  firstlight ")).collect();
+            assert!(!examples.is_empty(), "{}", command.get_name());
+            for example in examples {
+                let parsed = Cli::try_parse_from(words(example.trim()));
+                assert!(parsed.is_ok(), "{example}: {}", parsed.unwrap_err());
+            }
+        }
+        assert!(Cli::try_parse_from(words("firstlight render scan.laz --no-such-option")).is_err());
+    }
+
+    #[test]
+    fn the_command_of_a_view_gives_that_view() {
+        let camera = Camera {
+            eye: [637_012.24, -0.1 + 0.2, 1e-300],
+            target: [637_010.0, 849_000.125, 4.0 / 3.0],
+            up: [0.0, 0.6, 0.8],
+            fov_y_deg: 59.999_999_999_999_99,
+            ..Camera::fit(&Default::default(), &crate::scene::Grid { scale: [1.0; 3], origin: [0.0; 3] }, 1.0)
+        };
+        let inputs: Vec<PathBuf> =
+            ["scan.laz", "it's my \"scan\" $1.laz", "-o.las", "größe/"].map(PathBuf::from).into();
+        let mut classes = crate::render::ClassTable::default();
+        classes.set_color(6, [255, 0, 16]);
+        classes.set_color(200, [1, 2, 3]);
+        let looks = [
+            Look::default(),
+            Look {
+                point_size: "3".parse().unwrap(),
+                shading: Shading { edl_strength: 0.1, background: [1, 2, 255], high_quality: true },
+                ..Default::default()
+            },
+            Look {
+                coloring: crate::render::Coloring {
+                    by: "extra:a b".parse().unwrap(),
+                    map: Some("turbo".parse().unwrap()),
+                    range: Some([-1.5, 1e9 / 7.0]),
+                    clip_percent: 0.3,
+                    classes,
+                    tone: crate::render::Tone { brightness: -0.1, contrast: 1.0 / 3.0, gamma: 2.2 },
+                },
+                ..Default::default()
+            },
+            Look {
+                filter: crate::render::Filter {
+                    clauses: vec!["class!=7,18".parse().unwrap(), "elevation=-1.5..1e9".parse().unwrap()],
+                },
+                clip: crate::render::Clip {
+                    bounds: Some("-1,-2,-3,4,5,6,30".parse().unwrap()),
+                    slab: Some("1,2,3,0,0,1,0.5".parse().unwrap()),
+                },
+                ..Default::default()
+            },
+        ];
+        for look in looks {
+            let command = crate::headless::command(&look, &camera, [641, 479], &inputs);
+            let cli = Cli::try_parse_from(words(&command)).unwrap_or_else(|e| panic!("{command}: {e}"));
+            let Some(Command::Render(args)) = cli.command else { panic!("{command}") };
+            let (found, paths) = args.view();
+            assert_eq!(found, (look, Some(camera), [641, 479]), "{command}");
+            let dashed: Vec<PathBuf> =
+                inputs.iter().map(|p| if p.starts_with("-o.las") { "./-o.las".into() } else { p.clone() }).collect();
+            assert_eq!(paths, dashed, "{command}");
+        }
+    }
 }

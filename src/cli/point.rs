@@ -7,16 +7,9 @@ use clap::Args;
 use super::{CliError, ExitStatus};
 use crate::{
     headless::{Destination, HeadlessError},
-    inspect::PointRecord,
-    source::RecordFile,
+    inspect::{self, Field, PointRecord},
+    source::{RecordError, RecordFile},
 };
-
-/// Shown after the options.
-pub const EXAMPLES: &str = "\
-Examples:
-  firstlight point scan.laz 0
-  firstlight point scan.laz 1200 1201 1202 --csv > points.csv
-  firstlight point scan.laz 1200 --json | jq .gps_time";
 
 #[derive(Debug, Args)]
 pub struct PointArgs {
@@ -41,38 +34,47 @@ pub struct FormArgs {
     csv: bool,
 }
 
+/// What is printed of a point: its fields, and its card.
+pub struct Sheet {
+    pub fields: Vec<Field>,
+    pub card: Vec<(String, String)>,
+}
+
 pub fn run(args: PointArgs) -> Result<ExitStatus, CliError> {
     let never = AtomicBool::new(false);
     let file = RecordFile::open(&args.file, &never).map_err(HeadlessError::Input)?;
-    let records: Result<Vec<PointRecord>, _> =
-        args.records.iter().map(|&record| PointRecord::read_from(&file, record, &never)).collect();
-    print(&args.form.text(&records?))?;
+    let read = |record: &u64| {
+        let record = PointRecord::read_from(&file, *record, &never)?;
+        Ok(Some(Sheet { fields: record.fields(), card: record.card() }))
+    };
+    let sheets: Result<Vec<_>, RecordError> = args.records.iter().map(read).collect();
+    print(&args.form.text(&sheets?))?;
     Ok(ExitStatus::Ok)
 }
 
 impl FormArgs {
-    /// The points, each line ended.
-    pub fn text(&self, records: &[PointRecord]) -> String {
+    /// The points, each line ended. What is none is null in JSON, and else left out.
+    pub fn text(&self, sheets: &[Option<Sheet>]) -> String {
         if self.json {
-            let objects: Vec<String> = records.iter().map(PointRecord::json).collect();
-            return match &objects[..] {
-                [object] => format!("{object}\n"),
-                _ => format!("[\n{}\n]\n", objects.join(",\n")),
+            let json = |sheet: &Option<Sheet>| sheet.as_ref().map_or("null".into(), |s| inspect::json(&s.fields));
+            return match sheets {
+                [sheet] => format!("{}\n", json(sheet)),
+                _ => format!("[\n{}\n]\n", sheets.iter().map(json).collect::<Vec<_>>().join(",\n")),
             };
         }
+        let sheets = sheets.iter().flatten();
         if !self.csv {
-            return records.iter().map(PointRecord::text).collect::<Vec<_>>().join("\n");
+            return sheets.map(|sheet| inspect::lines(&sheet.card)).collect::<Vec<_>>().join("\n");
         }
         // Files differ in their fields: a new header begins where they do.
-        let mut text = String::new();
-        let mut header = String::new();
-        for record in records {
-            let own = record.csv_header();
+        let (mut text, mut header) = (String::new(), String::new());
+        for Sheet { fields, .. } in sheets {
+            let own = inspect::csv_header(fields);
             if own != header {
                 text += &format!("{own}\n");
                 header = own;
             }
-            text += &format!("{}\n", record.csv_row());
+            text += &format!("{}\n", inspect::csv_row(fields));
         }
         text
     }

@@ -9,7 +9,12 @@ use std::{
 
 use clap::{Args, ValueEnum};
 
-use super::{CliError, ExitStatus, look::LookArgs, say, values};
+use super::{
+    CliError, ExitStatus,
+    look::LookArgs,
+    say,
+    values::{self, EncodingChoice},
+};
 use crate::{
     headless::{self, BackendChoice, Destination, HeadlessError, Outputs, ProgressStyle, Report, Settings, Stop},
     render::{Camera, INSERTION_POINTS, Look, RasterChoice},
@@ -27,9 +32,9 @@ pub struct RenderArgs {
     /// Width and height of the picture, pixels
     #[arg(long, value_name = "WxH", default_value = "1600x900", value_parser = values::parse_size)]
     size: [u32; 2],
-    /// Where to look from: {"eye":[x,y,z],"target":[x,y,z],"up":[0,0,1],"fov_y_deg":60}, eye and target
-    /// in the file's own coordinates; by default the whole scene, from the south and above
-    #[arg(long, value_name = "CAM.json")]
+    /// Where to look from: {"eye":[x,y,z],"target":[x,y,z],"up":[0,0,1],"fov_y_deg":60}, or a file that holds
+    /// it; eye and target in the file's own coordinates; by default the whole scene, from the south and above
+    #[arg(long, value_name = "JSON|CAM.json")]
     camera: Option<PathBuf>,
     /// How the GPU turns points into pixels: a method's name, or NAME:64 (:128, :256) with its workgroup
     /// size; auto measures which is the fastest
@@ -72,6 +77,9 @@ pub struct RenderArgs {
     /// Points that enter the store at a time; fixes their slots together with the seed
     #[arg(long, value_name = "N", default_value_t = INSERTION_POINTS, value_parser = values::parse_insertion, hide = true)]
     insertion_points: u32,
+    /// How the store holds positions; no pixel depends on it
+    #[arg(long, value_enum, default_value_t, hide = true)]
+    encoding: EncodingChoice,
 }
 
 /// [`BackendChoice`] on the command line.
@@ -92,6 +100,18 @@ pub fn run(args: RenderArgs, started: Instant) -> Result<ExitStatus, CliError> {
 
 /// Says what a run gave, and which exit status that is.
 pub fn tell(report: &Report, quiet: bool) -> ExitStatus {
+    let status = tell_missing(report, quiet);
+    if !quiet {
+        for note in &report.notes {
+            say(&format!("firstlight: {note}"));
+        }
+        say(&summary(report));
+    }
+    status
+}
+
+/// Says what a run left out, and which exit status that is.
+pub fn tell_missing(report: &Report, quiet: bool) -> ExitStatus {
     for file in &report.files {
         if let Some(error) = &file.error {
             // Not silenced by --quiet: points are missing.
@@ -100,12 +120,6 @@ pub fn tell(report: &Report, quiet: bool) -> ExitStatus {
         for warning in file.warnings.iter().filter(|_| !quiet) {
             say(&format!("firstlight: {}", with_path(&file.path, warning)));
         }
-    }
-    if !quiet {
-        for note in &report.notes {
-            say(&format!("firstlight: {note}"));
-        }
-        say(&summary(report));
     }
     if report.is_partial() { ExitStatus::Partial } else { ExitStatus::Ok }
 }
@@ -139,7 +153,7 @@ fn summary(report: &Report) -> String {
     )
 }
 
-fn with_help(error: HeadlessError) -> CliError {
+pub fn with_help(error: HeadlessError) -> CliError {
     use crate::render::RenderError;
     match error {
         HeadlessError::Render(error @ RenderError::NoAdapter(_)) => CliError::NoDevice {
@@ -166,6 +180,13 @@ pub fn backend_choice(backend: BackendArg, method: RasterChoice) -> Result<Backe
 }
 
 impl RenderArgs {
+    /// What is shown of which inputs.
+    #[cfg(test)]
+    pub fn view(&self) -> ((Look, Option<Camera>, [u32; 2]), Vec<PathBuf>) {
+        let camera = self.camera.as_deref().map(|path| read_camera(path).expect("a camera"));
+        ((self.look.look(1), camera, self.size), self.inputs.clone())
+    }
+
     fn validate(self, started: Instant) -> Result<Settings, CliError> {
         let usage = |message: &str| Err(CliError::Usage(message.into()));
         if self.brute_force && matches!(self.stop, Stop::Frames(_)) {
@@ -179,6 +200,7 @@ impl RenderArgs {
             camera,
             backend,
             method: self.method,
+            encoding: self.encoding.encoding(),
             fill: self.fill,
             look: self.look.look(Look::default().point_size),
             seed: self.seed,
@@ -225,10 +247,13 @@ fn is_same_place(a: &Destination, b: &Destination) -> bool {
     }
 }
 
-/// The camera in a file of `--camera`.
+/// The camera of `--camera`: JSON, or a file that holds it.
 pub fn read_camera(path: &Path) -> Result<Camera, CliError> {
-    let text =
-        fs::read_to_string(path).map_err(|error| CliError::Usage(format!("--camera {}: {error}", path.display())))?;
+    let text = match path.to_str().filter(|text| text.trim_start().starts_with('{')) {
+        Some(json) => json.to_owned(),
+        None => fs::read_to_string(path)
+            .map_err(|error| CliError::Usage(format!("--camera {}: {error}", path.display())))?,
+    };
     serde_json::from_str(&text).map_err(|error| {
         CliError::Usage(format!(
             r#"--camera {}: expected {{"eye":[x,y,z],"target":[x,y,z],"up":[0,0,1],"fov_y_deg":60}}: {error}"#,

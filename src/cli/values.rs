@@ -7,9 +7,32 @@ use crate::{
     headless::Stop,
     methods,
     render::{Candidate, GROUP_SIZES, RasterChoice},
-    store::MAX_INSERTION_POINTS,
+    store::{Encoding, MAX_INSERTION_POINTS},
     synth::{Scene, SynthOptions},
 };
+
+/// How the store holds positions, on the command line.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
+pub enum EncodingChoice {
+    /// 8 bytes where the box that the header promises fits, else 12
+    #[default]
+    Auto,
+    /// 12 bytes: three 32-bit integers
+    Wide,
+    /// 8 bytes, lossless; only where the box that the header promises fits 64 bits
+    Packed,
+}
+
+impl EncodingChoice {
+    /// `None`: as is best.
+    pub fn encoding(self) -> Option<Encoding> {
+        match self {
+            EncodingChoice::Auto => None,
+            EncodingChoice::Wide => Some(Encoding::Wide),
+            EncodingChoice::Packed => Some(Encoding::Packed),
+        }
+    }
+}
 
 /// A number of points: `1500`, `1_500`, `1.5k`, `20M`, `1G`.
 pub fn parse_count(text: &str) -> Result<u64, String> {
@@ -75,6 +98,16 @@ pub fn parse_size(text: &str) -> Result<[u32; 2], String> {
         return Err(format!("expected at most {MAX_PIXELS} pixels in all, found `{text}`"));
     }
     Ok([width, height])
+}
+
+/// `800,450`: column and row of a pixel.
+pub fn parse_pixel(text: &str) -> Result<[u32; 2], String> {
+    let wrong = || format!("expected COLUMN,ROW of a pixel, such as 800,450, found `{text}`");
+    let (x, y) = text.split_once(',').ok_or_else(wrong)?;
+    match [x, y].map(|n| n.trim().parse::<u32>()) {
+        [Ok(x), Ok(y)] => Ok([x, y]),
+        _ => Err(wrong()),
+    }
 }
 
 /// `converged`, `frames=N` or `points=N`.
@@ -145,6 +178,58 @@ pub fn parse_threads(text: &str) -> Result<usize, String> {
     }
 }
 
+/// `LOW,HIGH`: two numbers, the first the smaller.
+pub fn parse_range(text: &str) -> Result<[f64; 2], String> {
+    let wrong = || format!("expected two numbers, the smaller first, such as -10,250.5, found `{text}`");
+    let (low, high) = text.split_once(',').ok_or_else(wrong)?;
+    let [low, high] = [low, high].map(|n| n.trim().parse::<f64>().ok().filter(|n| n.is_finite()));
+    match (low, high) {
+        (Some(low), Some(high)) if low < high => Ok([low, high]),
+        _ => Err(wrong()),
+    }
+}
+
+/// A number within limits, the upper one included only if `closed`.
+fn number_within(text: &str, [low, high]: [f64; 2], closed: bool) -> Result<f64, String> {
+    let ok = |n: &f64| *n >= low && (*n < high || closed && *n == high);
+    let until = if closed { "to" } else { "to below" };
+    text.parse().ok().filter(ok).ok_or_else(|| format!("expected a number from {low} {until} {high}, found `{text}`"))
+}
+
+/// Percent that are left out at either end.
+pub fn parse_clip(text: &str) -> Result<f64, String> {
+    number_within(text, [0.0, 50.0], false)
+}
+
+pub fn parse_brightness(text: &str) -> Result<f64, String> {
+    number_within(text, [-1.0, 1.0], true)
+}
+
+pub fn parse_contrast(text: &str) -> Result<f64, String> {
+    number_within(text, [0.0, 10.0], true)
+}
+
+pub fn parse_gamma(text: &str) -> Result<f64, String> {
+    number_within(text, [0.1, 10.0], true)
+}
+
+/// `#ff8000`, or without the sign: red, green, blue.
+pub fn parse_color(text: &str) -> Result<[u8; 3], String> {
+    let digits = text.strip_prefix('#').unwrap_or(text);
+    let is_hex = digits.len() == 6 && digits.bytes().all(|b| b.is_ascii_hexdigit());
+    let number = u32::from_str_radix(digits, 16).ok().filter(|_| is_hex);
+    let [_, r, g, b] =
+        number.ok_or_else(|| format!("expected a colour such as #ff8000, found `{text}`"))?.to_be_bytes();
+    Ok([r, g, b])
+}
+
+/// `6=#ff0000`: the number of a class and its colour.
+pub fn parse_class_color(text: &str) -> Result<(u8, [u8; 3]), String> {
+    let wrong = || format!("expected a class, 0 to 255, and its colour, such as 6=#ff0000, found `{text}`");
+    let (class, color) = text.split_once('=').ok_or_else(wrong)?;
+    Ok((class.trim().parse().map_err(|_| wrong())?, parse_color(color.trim())?))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -202,6 +287,14 @@ mod tests {
         assert_eq!(parse_size("1600x900"), Ok([1600, 900]));
         for text in ["", "1600", "0x5", "5x0", "-1x5", "1600x", "99999x99999", "4294967297x1"] {
             assert!(parse_size(text).is_err(), "{text}");
+        }
+        assert_eq!((parse_color("#ff8000"), parse_color("0102ff")), (Ok([255, 128, 0]), Ok([1, 2, 255])));
+        for text in ["", "#", "#fff", "#ff80001", "#+f8000", "red"] {
+            assert!(parse_color(text).is_err(), "{text}");
+        }
+        assert_eq!(parse_pixel("800, 450"), Ok([800, 450]));
+        for text in ["", "800", "800x450", "-1,0", "1,2,3", "1.5,2"] {
+            assert!(parse_pixel(text).is_err(), "{text}");
         }
         assert_eq!(parse_stop("frames=5"), Ok(Stop::Frames(5)));
         assert_eq!(parse_stop("points=1M"), Ok(Stop::Points(1_000_000)));

@@ -1,5 +1,7 @@
 //! The shader modules: each is a list of files, pasted together in order.
 
+use crate::store::Encoding;
+
 /// A named shader module.
 pub struct Shader {
     pub name: &'static str,
@@ -8,15 +10,42 @@ pub struct Shader {
     pub needs: wgpu::Features,
 }
 
+/// How positions are read in the wide encoding, and what takes its place in the packed one.
+const POINTS: &str = include_str!("../../shaders/points.wgsl");
+const POINTS_PACKED: [&str; 2] =
+    [include_str!("../../shaders/packed.wgsl"), include_str!("../../shaders/points_packed.wgsl")];
+
 impl Shader {
-    pub fn source(&self) -> String {
-        with_lane(self.parts.concat())
+    /// Whether it reads positions: then there are two of it, one for each [`Encoding`].
+    pub fn reads_positions(&self) -> bool {
+        self.parts.contains(&POINTS)
     }
 
+    /// The module; one that reads positions does so in the wide encoding.
+    pub fn source(&self) -> String {
+        self.source_in(Encoding::Wide)
+    }
+
+    /// The module for positions in this encoding.
+    pub fn source_in(&self, encoding: Encoding) -> String {
+        let parts = self.parts.iter().map(|&part| match encoding {
+            Encoding::Packed if part == POINTS => POINTS_PACKED.concat(),
+            _ => part.to_owned(),
+        });
+        with_lane(parts.collect())
+    }
+
+    /// A module that reads no positions.
     pub fn module(&self, device: &wgpu::Device) -> wgpu::ShaderModule {
+        debug_assert!(!self.reads_positions(), "{} is for one encoding: `module_in`", self.name);
+        self.module_in(device, Encoding::Wide)
+    }
+
+    /// The module for positions in this encoding.
+    pub fn module_in(&self, device: &wgpu::Device, encoding: Encoding) -> wgpu::ShaderModule {
         device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(self.name),
-            source: wgpu::ShaderSource::Wgsl(self.source().into()),
+            source: wgpu::ShaderSource::Wgsl(self.source_in(encoding).into()),
         })
     }
 }
@@ -51,6 +80,7 @@ macro_rules! shader {
 
 shader!(INSERT, NOTHING, "group", "permutation", "insert");
 shader!(MOVE, NOTHING, "group", "permutation", "page", "move");
+shader!(WIDEN, NOTHING, "group", "page", "packed", "points_packed", "widen");
 shader!(RELOCATE, NOTHING, "group", "permutation", "relocate");
 shader!(CLEAR, NOTHING, "group", "project", "clear");
 shader!(
@@ -132,13 +162,16 @@ shader!(
     "resolve_average"
 );
 shader!(PICK, NOTHING, "page", "points", "pick");
+shader!(COLUMN, NOTHING, "group", "project", "column_page", "column");
+shader!(FILL_COLUMN, NOTHING, "group", "column_page", "fill_column");
 shader!(LIGHT, NOTHING, "group", "project", "light");
 shader!(COPY, NOTHING, "group", "methods/copy");
 
 /// All modules, for the tests.
-pub const ALL: [&Shader; 21] = [
+pub const ALL: [&Shader; 23] = [
     &INSERT,
     &MOVE,
+    &WIDEN,
     &RELOCATE,
     &CLEAR,
     &EARLY_Z,
@@ -156,6 +189,8 @@ pub const ALL: [&Shader; 21] = [
     &RESOLVE_32,
     &RESOLVE_64,
     &PICK,
+    &COLUMN,
+    &FILL_COLUMN,
     &LIGHT,
     &COPY,
 ];

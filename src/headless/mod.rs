@@ -4,6 +4,7 @@
 //! writes the last frame as a PNG, its record numbers and depths as NPY, and a [`Report`] as JSON.
 //! Outputs are checked before the work starts and get their final names only when they are complete.
 
+mod command;
 mod framing;
 mod outputs;
 mod progress;
@@ -11,9 +12,10 @@ mod report;
 mod run;
 mod settings;
 
+pub use command::command;
 pub use framing::{box_to_fit, default_camera};
 pub use outputs::{Destination, OutputError, Outputs, picture_sha256, write_npy_f32, write_npy_i64, write_png};
 pub use progress::{ProgressStyle, grouped};
 pub use report::{FileEntry, OutputPaths, Report, Seconds};
-pub use run::{HeadlessError, make_backend, render};
+pub use run::{HeadlessError, Picked, make_backend, pick, render};
 pub use settings::{BackendChoice, CONVERGE_FILL, COUNTED_FILL, Settings, Stop};

@@ -9,6 +9,7 @@ use crate::{
     render::{BackendInfo, Camera, Choice},
     scene::{Bounds, Grid, SceneFacts},
     source::{SourceReport, ThreadTimes},
+    store::Encoding,
 };
 
 /// The contents of REPORT.json.
@@ -37,6 +38,8 @@ pub struct Report {
     pub backend: &'static str,
     /// How points became pixels: a method's name as in `firstlight bench --list`, or "cpu".
     pub method: String,
+    /// How positions were stored: "packed", 8 bytes, or "wide", 12.
+    pub encoding: Encoding,
     /// What speaks for the method: the speeds of all that were measured. Null on the CPU backend.
     pub choice: Option<Choice>,
     pub adapter: String,
@@ -232,6 +235,7 @@ impl Report {
             brute_force: settings.brute_force,
             backend,
             method: info.method.to_string(),
+            encoding: info.encoding,
             choice: info.choice.clone(),
             adapter: info.adapter.clone(),
             api: info.api.clone(),

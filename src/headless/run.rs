@@ -14,11 +14,12 @@ use super::{
 };
 use crate::{
     render::{
-        Backend, CameraError, CpuBackend, FrameReport, FrameRequest, GpuBackend, Picture, Progressive, RasterChoice,
-        RenderError,
+        Backend, CameraError, CpuBackend, FrameReport, FrameRequest, GpuBackend, Pick, PickAt, Picture, Progressive,
+        RasterChoice, RenderError,
     },
     scene::{PointBatch, SceneFacts},
     source::{self, Event, OpenOptions, SourceError, SourceReport, Stream},
+    store::{Encoding, Packing, TooWide},
 };
 
 /// Why there is no picture.
@@ -32,6 +33,8 @@ pub enum HeadlessError {
     Camera(#[from] CameraError),
     #[error(transparent)]
     Render(#[from] RenderError),
+    #[error(transparent)]
+    TooWide(#[from] TooWide),
     #[error("the reader ended without saying why")]
     ReaderEnded,
 }
@@ -39,36 +42,39 @@ pub enum HeadlessError {
 /// Renders and writes all outputs. A damaged input still gives its picture, of the points that could
 /// be read; see [`Report::is_partial`].
 pub fn render(settings: &Settings) -> Result<Report, HeadlessError> {
-    // Reading starts first: a GPU takes a while to set up.
-    // What stops half-way repeats bit for bit: then the order of the points must not depend on the disk.
-    let slow_read = matches!(settings.stop, Stop::Frames(_) | Stop::Points(_)).then_some(Duration::MAX);
-    let stream =
-        source::open(&settings.inputs, OpenOptions { threads: settings.threads, slow_read, ..Default::default() });
-    let (backend, backend_name, notes) = make_backend(settings.backend, settings.method, settings.threads)?;
-    let mut report = Report::new(settings, backend.info(), backend_name);
-    report.notes = notes;
-
-    let mut run = Run {
-        settings,
-        progressive: Progressive::new(backend, settings.store_options()),
-        facts: None,
-        request: None,
-        tally: Tally::default(),
-        source: None,
-        out_of_memory: false,
-        depths_are_final: false,
-        progress: Progress::new(settings.progress),
-        seconds: Seconds::default(),
-        report,
-    };
-    let last_frame = run.draw_to_the_end(stream);
-    run.progress.finish();
-    let last_frame = last_frame?;
+    let (mut run, last_frame) = Run::of_all_points(settings)?;
     let picture = run.progressive.read()?;
     run.seconds.to_picture = Some(run.now());
     let report = run.into_report(last_frame, &picture);
     write_outputs(settings, &report, &picture)?;
     Ok(report)
+}
+
+/// What a picture shows at some pixels.
+pub struct Picked {
+    pub scene: Arc<SceneFacts>,
+    /// In the order of the questions.
+    pub picks: Vec<Option<Pick>>,
+    pub report: Report,
+}
+
+/// Renders without writing anything, and says which points are at these pixels, or near them.
+pub fn pick(settings: &Settings, questions: &[PickAt]) -> Result<Picked, HeadlessError> {
+    let (mut run, last_frame) = Run::of_all_points(settings)?;
+    let mut picks = Vec::new();
+    for &at in questions {
+        let mut ticket = run.progressive.pick(at);
+        if ticket.is_none() {
+            // For the kernels; outside of the picture there is nothing, now as then.
+            run.progressive.backend_mut().wait()?;
+            ticket = run.progressive.pick(at);
+        }
+        run.progressive.backend_mut().wait()?;
+        picks.push(ticket.and_then(|ticket| run.progressive.picked(ticket)).flatten());
+    }
+    let picture = run.progressive.read()?;
+    let scene = run.facts.clone().ok_or(HeadlessError::ReaderEnded)?;
+    Ok(Picked { scene, picks, report: run.into_report(last_frame, &picture) })
 }
 
 type AnyBackend = Box<dyn Backend>;
@@ -113,7 +119,38 @@ struct Run<'a> {
     report: Report,
 }
 
-impl Run<'_> {
+impl<'a> Run<'a> {
+    /// Reads everything and draws the frames up to the last, and says what that one did.
+    fn of_all_points(settings: &'a Settings) -> Result<(Run<'a>, FrameReport), HeadlessError> {
+        // Reading starts first: a GPU takes a while to set up.
+        // What stops half-way repeats bit for bit: then the order of the points must not depend on the disk.
+        let slow_read = matches!(settings.stop, Stop::Frames(_) | Stop::Points(_)).then_some(Duration::MAX);
+        let fields = settings.fields();
+        let options = OpenOptions { threads: settings.threads, slow_read, fields, ..Default::default() };
+        let stream = source::open(&settings.inputs, options);
+        let (mut backend, backend_name, notes) = make_backend(settings.backend, settings.method, settings.threads)?;
+        backend.set_encoding(settings.encoding);
+        let mut report = Report::new(settings, backend.info(), backend_name);
+        report.notes = notes;
+
+        let mut run = Run {
+            settings,
+            progressive: Progressive::new(backend, settings.store_options()),
+            facts: None,
+            request: None,
+            tally: Tally::default(),
+            source: None,
+            out_of_memory: false,
+            depths_are_final: false,
+            progress: Progress::new(settings.progress),
+            seconds: Seconds::default(),
+            report,
+        };
+        let last_frame = run.draw_to_the_end(stream);
+        run.progress.finish();
+        Ok((run, last_frame?))
+    }
+
     /// Seconds since the program started.
     fn now(&self) -> f64 {
         Instant::now().duration_since(self.settings.started).as_secs_f64()
@@ -145,8 +182,7 @@ impl Run<'_> {
     /// Nobody sees the frames before the last, so that averages wait until they can stay: unless the run
     /// stops at a given frame, which is to be what a viewer shows.
     fn without_early_averages(&self, mut request: FrameRequest) -> FrameRequest {
-        let counts_frames = matches!(self.settings.stop, Stop::Frames(_));
-        request.shading.high_quality &= counts_frames || self.depths_are_final;
+        request.shading.high_quality &= counts_frames(self.settings.stop) || self.depths_are_final;
         request
     }
 
@@ -167,10 +203,17 @@ impl Run<'_> {
     fn take(&mut self, event: Event) -> Result<(), HeadlessError> {
         match event {
             Event::Opened(facts) => {
+                if self.settings.encoding == Some(Encoding::Packed) {
+                    Packing::of_scene(&facts.grid, &facts.bounds)?;
+                }
                 self.tally = Tally::new(facts.files.len());
                 self.progress.expect(facts.points_in_header());
                 self.report.notes.extend(facts.warnings.iter().cloned());
+                let coloring = &self.settings.look.coloring;
+                self.report.notes.extend(coloring.absences(&facts));
                 self.progressive.open(facts.clone());
+                self.progressive.set_coloring(coloring);
+                self.progressive.carry(coloring.by.attribute().cloned());
                 self.facts = Some(facts);
             }
             Event::Batch(batch) => {
@@ -228,8 +271,13 @@ impl Run<'_> {
         match self.settings.stop {
             _ if self.settings.brute_force => loaded,
             Stop::Frames(frames) if self.report.frames >= frames => true,
-            _ => loaded && frame.is_converged() && frame.high_quality == self.settings.look.shading.high_quality,
+            _ => loaded && frame.is_converged() && frame.high_quality == self.is_high_quality(),
         }
+    }
+
+    /// High-quality shading is asked for, and these colours can be averaged.
+    fn is_high_quality(&self) -> bool {
+        self.settings.look.shading.high_quality && self.progressive.can_average()
     }
 
     fn draw_brute_force(&mut self, request: &FrameRequest) -> Result<FrameReport, HeadlessError> {
@@ -248,6 +296,7 @@ impl Run<'_> {
         let info = self.progressive.backend().info();
         report.method = info.method.to_string();
         report.choice.clone_from(&info.choice);
+        report.encoding = info.encoding;
         report.files = file_entries(self.facts.as_deref(), &self.tally, self.source.as_ref());
         report.points_in_header = report.files.iter().map(|f| f.points_in_header).sum();
         report.points_decoded = report.files.iter().map(|f| f.points_decoded).sum();
@@ -269,6 +318,10 @@ impl Run<'_> {
             report.reader_memory_bound_bytes = Some(source.memory_bound_bytes);
             report.reader_threads.clone_from(&source.threads);
         }
+        if self.settings.look.shading.high_quality && !self.progressive.can_average() {
+            let by = &self.settings.look.coloring.by;
+            report.notes.push(format!("--hq averages no {by}: each pixel shows its nearest point"));
+        }
         if last.high_quality {
             report.high_quality = Some(self.progressive.backend().sums().to_string());
             report.points_averaged = last.points_averaged;
@@ -276,6 +329,10 @@ impl Run<'_> {
         report.picture_sha256 = picture_sha256(picture);
         report
     }
+}
+
+fn counts_frames(stop: Stop) -> bool {
+    matches!(stop, Stop::Frames(_))
 }
 
 /// The report comes last: where it is, the rest is too.

@@ -5,7 +5,7 @@ use super::{
     fields::hex,
     record::{ExtraValue, PointRecord, WavePacket},
 };
-use crate::scene::{ExtraKind, class_name};
+use crate::{render::ClassTable, scene::ExtraKind};
 
 impl PointRecord {
     /// Lines of a name and a text, for a card.
@@ -19,7 +19,7 @@ impl PointRecord {
         }
         add("Intensity", self.intensity.to_string());
         add("Return", format!("{} of {}", self.return_number, self.number_of_returns));
-        add("Class", format!("{}, {}", self.classification, class_words(self.classification)));
+        add("Class", format!("{}, {}", self.classification, ClassTable::default().get(self.classification).name));
         add("Flags", self.flag_words());
         if let Some(channel) = self.flags.scanner_channel {
             add("Scanner channel", channel.to_string());
@@ -76,10 +76,6 @@ impl PointRecord {
 pub fn lines(rows: &[(String, String)]) -> String {
     let width = rows.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0) + 2;
     rows.iter().map(|(name, text)| format!("{name:<width$}{text}\n")).collect()
-}
-
-fn class_words(class: u8) -> &'static str {
-    class_name(class).unwrap_or(if class < 64 { "reserved" } else { "user defined" })
 }
 
 impl WavePacket {

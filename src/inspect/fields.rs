@@ -6,7 +6,7 @@ use super::{
     decimal::{shortest, shortest_f32},
     record::{ExtraValue, PointRecord},
 };
-use crate::scene::class_name;
+use crate::render::ClassTable;
 
 /// A named value. Names: those of LAS, in the snake case of most readers; X, Y and Z are the record's integers, x, y and z
 /// the coordinates; `extra:NAME` is a dimension's value and `extra:NAME:raw` what is stored, where these differ.
@@ -58,7 +58,7 @@ impl PointRecord {
         add("scan_direction", number(&u8::from(self.flags.scan_direction)));
         add("edge_of_flight_line", Value::Flag(self.flags.edge_of_flight_line));
         add("classification", number(&self.classification));
-        add("class_name", class_name(self.classification).map_or(Value::None, |name| Value::Text(name.into())));
+        add("class_name", Value::Text(ClassTable::default().get(self.classification).name.into()));
         add("scan_angle", number(&self.scan_angle));
         add("scan_angle_deg", number(&self.scan_angle_deg));
         add("user_data", number(&self.user_data));
@@ -92,25 +92,39 @@ impl PointRecord {
     /// One JSON object. Coordinates and scaled values are numbers in all their digits, whatever a reader makes of them;
     /// numbers that JSON does not have (NaN) are strings.
     pub fn json(&self) -> String {
-        let members =
-            self.fields().into_iter().map(|field| format!("  {}: {}", quoted(&field.name), field.value.json()));
-        format!("{{\n{}\n}}", members.collect::<Vec<_>>().join(",\n"))
+        json(&self.fields())
     }
 
     /// The header line of [`PointRecord::csv_row`], without its line end. Records of one file have the same.
     pub fn csv_header(&self) -> String {
-        self.fields().iter().map(|field| csv_cell(&field.name)).collect::<Vec<_>>().join(",")
+        csv_header(&self.fields())
     }
 
     /// One line, without its end; flags are 0 and 1, what is not there is empty.
     pub fn csv_row(&self) -> String {
-        let cell = |field: &Field| match &field.value {
-            Value::Number(text) | Value::Text(text) => csv_cell(text),
-            Value::Flag(flag) => u8::from(*flag).to_string(),
-            Value::None => String::new(),
-        };
-        self.fields().iter().map(cell).collect::<Vec<_>>().join(",")
+        csv_row(&self.fields())
     }
+}
+
+/// These values as one JSON object, see [`PointRecord::json`].
+pub fn json(fields: &[Field]) -> String {
+    let members = fields.iter().map(|field| format!("  {}: {}", quoted(&field.name), field.value.json()));
+    format!("{{\n{}\n}}", members.collect::<Vec<_>>().join(",\n"))
+}
+
+/// The names of these values as a line of CSV, see [`PointRecord::csv_header`].
+pub fn csv_header(fields: &[Field]) -> String {
+    fields.iter().map(|field| csv_cell(&field.name)).collect::<Vec<_>>().join(",")
+}
+
+/// These values as a line of CSV, see [`PointRecord::csv_row`].
+pub fn csv_row(fields: &[Field]) -> String {
+    let cell = |field: &Field| match &field.value {
+        Value::Number(text) | Value::Text(text) => csv_cell(text),
+        Value::Flag(flag) => u8::from(*flag).to_string(),
+        Value::None => String::new(),
+    };
+    fields.iter().map(cell).collect::<Vec<_>>().join(",")
 }
 
 fn add_extra(extra: &ExtraValue, fields: &mut Vec<Field>) {
@@ -131,14 +145,14 @@ fn add_extra(extra: &ExtraValue, fields: &mut Vec<Field>) {
 }
 
 impl Field {
-    fn new(name: &str, value: Value) -> Field {
+    pub fn new(name: &str, value: Value) -> Field {
         Field { name: name.into(), value }
     }
 }
 
 impl Value {
     /// JSON knows neither NaN nor infinity.
-    fn float(is_finite: bool, text: String) -> Value {
+    pub fn float(is_finite: bool, text: String) -> Value {
         if is_finite { Value::Number(text) } else { Value::Text(text) }
     }
 

@@ -19,6 +19,7 @@ use crate::{
     },
     scene::SceneFacts,
     source::SourceError,
+    store::{Encoding, Packing, TooWide},
 };
 
 /// What to measure.
@@ -33,6 +34,8 @@ pub struct BenchFrames {
     /// Frames to time at each.
     pub frames: u32,
     pub high_quality: bool,
+    /// How positions are stored; `None`: as a viewer does.
+    pub encoding: Option<Encoding>,
 }
 
 /// Frame times, milliseconds, in the order they were drawn.
@@ -97,6 +100,8 @@ pub enum BenchError {
     Render(#[from] RenderError),
     #[error(transparent)]
     Camera(#[from] crate::render::CameraError),
+    #[error(transparent)]
+    TooWide(#[from] TooWide),
     #[error("the scene has no points to measure with")]
     NoPoints,
 }
@@ -116,10 +121,11 @@ struct Run<'a> {
 pub fn bench_frames(
     settings: &BenchFrames,
     mut feed: Feed,
-    backend: Box<dyn Backend>,
+    mut backend: Box<dyn Backend>,
     decoded_points_per_sec: Option<f64>,
     started: Instant,
 ) -> Result<BenchFramesReport, BenchError> {
+    backend.set_encoding(settings.encoding);
     let info = backend.info().clone();
     let backend_sums = backend.sums();
     let options = StoreOptions { seed: settings.seed, ..Default::default() };
@@ -148,6 +154,9 @@ pub fn bench_frames(
             match feed.next(wait || run.scene.is_none())? {
                 Fed::Opened(facts) => {
                     report.inputs = facts.files.iter().map(|file| file.path.display().to_string()).collect();
+                    if settings.encoding == Some(Encoding::Packed) {
+                        Packing::of_scene(&facts.grid, &facts.bounds)?;
+                    }
                     run.progressive.open(facts.clone());
                     let camera = default_camera(&facts, None, settings.size);
                     run.scene = Some((facts, camera));
@@ -264,10 +273,11 @@ pub fn markdown(report: &BenchFramesReport) -> String {
         let _ = writeln!(out, "{text}");
     };
     line(format!(
-        "{} ({}), {}, {width}x{height}, {} px points{}; {}",
+        "{} ({}), {}, {} positions, {width}x{height}, {} px points{}; {}",
         report.backend.adapter,
         report.backend.api,
         report.backend.method,
+        report.backend.encoding.name(),
         report.point_size_px,
         report.high_quality.map(|sums| format!(", high quality ({sums})")).unwrap_or_default(),
         report.inputs.join(", ")

@@ -1,19 +1,20 @@
 //! What a backend must be able to do; [`super::Progressive`] decides what it does in which frame.
 
-use std::ops::Range;
+use std::{ops::Range, sync::Arc};
 
 use serde::{Deserialize, Serialize};
 
 use super::{
     camera::View,
     choice::Choice,
-    color::FileColor,
+    color::PointColors,
+    column::{ColumnId, Keys},
     pick::{Pick, PickAt, PickTicket},
 };
 use crate::{
     device::{PassTimes, Passes, Raster, RenderError},
     scene::PointBatch,
-    store::Insertion,
+    store::{Encoding, Insertion, Packing},
 };
 
 /// Who draws.
@@ -25,6 +26,8 @@ pub struct BackendInfo {
     pub api: String,
     pub driver: String,
     pub method: Raster,
+    /// How positions are stored now.
+    pub encoding: Encoding,
     /// What speaks for the method; none on the processor.
     pub choice: Option<Choice>,
 }
@@ -42,8 +45,7 @@ pub struct FramePlan {
     /// Slots to draw besides.
     pub fill: [Range<u32>; 2],
     pub shading: Shading,
-    /// Colour rule of each file, in order of their first records.
-    pub files: Vec<FileColor>,
+    pub colors: Arc<PointColors>,
     /// The second pass of high-quality shading; without, each pixel shows its front point.
     pub averaging: Option<Averaging>,
     /// A picture for comparing while a scene converges: which slots were visible, which are fresh, and the sums stay
@@ -141,8 +143,13 @@ pub trait Backend {
     /// How it sums up colours for high-quality shading.
     fn sums(&self) -> Sums;
 
-    /// Empties the store. `points` are to be expected (a hint for the size of pages).
-    fn reset(&mut self, points: u64);
+    /// How positions of scenes to come are stored; `None`: as is best for the device. A backend that has but one encoding
+    /// keeps it: no picture depends on it.
+    fn set_encoding(&mut self, _encoding: Option<Encoding>) {}
+
+    /// Empties the store. `points` are to be expected (a hint for the size of pages), in a box that this packing holds,
+    /// if there is one; some may lie outside.
+    fn reset(&mut self, points: u64, packing: Option<Packing>);
 
     /// Most insertions that may happen between two frames.
     fn insertions_per_frame(&self) -> usize;
@@ -152,6 +159,17 @@ pub trait Backend {
 
     /// Inserts a batch. Its points are *fresh* until the next frame.
     fn insert(&mut self, insertion: &Insertion, points: &PointBatch) -> Result<(), RenderError>;
+
+    /// Puts values in their places by record number; `keys` are those of `records`, at most
+    /// [`BATCH_POINTS`](crate::scene::BATCH_POINTS), each once. A column begins with its first values, and all of its
+    /// keys are of one kind.
+    ///
+    /// # Errors
+    /// [`RenderError::NoMemoryForValues`]; what was there stays.
+    fn fill_column(&mut self, column: ColumnId, records: &[u32], keys: Keys<'_>) -> Result<(), RenderError>;
+
+    /// Frees a column.
+    fn drop_column(&mut self, column: ColumnId);
 
     /// Switches off that the lists of slots follow points which an insertion moves (or on again). For measuring
     /// what that is worth: without it, a picture loses points while a file loads.
@@ -169,7 +187,8 @@ pub trait Backend {
     }
 
     /// Asks which point the last frame shows at a pixel. Only [`Progressive`](super::Progressive) knows whether that
-    /// frame still stands. `None` if there is no such pixel.
+    /// frame still stands. `None` if there is no such pixel, or kernels are still being compiled, for which
+    /// [`Backend::wait`] waits.
     fn pick(&mut self, at: PickAt) -> Option<PickTicket>;
 
     /// The answer, once it is there; none of a point where none is near, or the question was given up. Never waits.
@@ -189,8 +208,11 @@ impl<B: Backend + ?Sized> Backend for Box<B> {
     fn sums(&self) -> Sums {
         (**self).sums()
     }
-    fn reset(&mut self, points: u64) {
-        (**self).reset(points);
+    fn set_encoding(&mut self, encoding: Option<Encoding>) {
+        (**self).set_encoding(encoding);
+    }
+    fn reset(&mut self, points: u64, packing: Option<Packing>) {
+        (**self).reset(points, packing);
     }
     fn insertions_per_frame(&self) -> usize {
         (**self).insertions_per_frame()
@@ -200,6 +222,12 @@ impl<B: Backend + ?Sized> Backend for Box<B> {
     }
     fn insert(&mut self, insertion: &Insertion, points: &PointBatch) -> Result<(), RenderError> {
         (**self).insert(insertion, points)
+    }
+    fn fill_column(&mut self, column: ColumnId, records: &[u32], keys: Keys<'_>) -> Result<(), RenderError> {
+        (**self).fill_column(column, records, keys)
+    }
+    fn drop_column(&mut self, column: ColumnId) {
+        (**self).drop_column(column);
     }
     fn set_relocation(&mut self, on: bool) {
         (**self).set_relocation(on);

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     backend::Shading,
+    coloring::Coloring,
     filter::{Clip, Filter},
 };
 
@@ -15,6 +16,7 @@ pub struct Look {
     /// Width of a point, pixels, 1 to 8.
     pub point_size: u32,
     pub shading: Shading,
+    pub coloring: Coloring,
     /// Which points are shown, by their attributes.
     pub filter: Filter,
     /// Which part of space is shown.
@@ -23,6 +25,12 @@ pub struct Look {
 
 impl Default for Look {
     fn default() -> Self {
-        Look { point_size: 1, shading: Shading::default(), filter: Filter::default(), clip: Clip::default() }
+        Look {
+            point_size: 1,
+            shading: Shading::default(),
+            coloring: Coloring::default(),
+            filter: Filter::default(),
+            clip: Clip::default(),
+        }
     }
 }

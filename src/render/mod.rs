@@ -15,15 +15,23 @@ mod budget;
 mod camera;
 mod choice;
 mod color;
+mod coloring;
+mod column;
 mod cpu;
 mod filter;
 mod frame;
 mod gpu;
+mod histogram;
 mod in_motion;
+mod keys;
 mod look;
+mod paint;
 mod pick;
 mod progressive;
+mod progressive_values;
+mod scale;
 mod shading;
+mod values;
 
 pub use crate::device::{PassTimes, Passes, Raster, RenderError};
 pub use backend::{Averaging, Backend, BackendInfo, FramePlan, Picture, Shading, Sums};
@@ -32,14 +40,20 @@ pub use camera::{Camera, CameraError, Projected, View};
 pub use choice::{
     Candidate, Choice, Clock, GROUP_SIZES, MARGIN, Measured, Measurement, RasterChoice, Speed, Why, best,
 };
-pub use color::{FileColor, elevation_ramp};
+pub use color::{FileColor, NO_DATA, PointColors, elevation_ramp};
+pub use coloring::{
+    CLIP_PERCENT, Class, ClassTable, ColorBy, ColorMap, Coloring, Tone, UnknownColor, UnknownMap, palette,
+};
+pub use column::{ColumnColors, ColumnId, Keys, Lookup};
 pub use cpu::{CpuBackend, list_visible};
 pub use filter::{
     Clause, ClauseError, Clip, ClipBox, ClipError, Filter, Key, MaskRules, RULE_WORDS, Slab, Test, Values, ValuesError,
 };
 pub use frame::{FrameReport, FrameRequest, INSERTION_POINTS, Reprojection, StoreOptions};
-pub use gpu::{GpuBackend, PickWords, ShadingUniform};
+pub use gpu::{ColorTablesUniform, ColumnScaleUniform, GpuBackend, PickWords, ShadingUniform};
+pub use histogram::{AttributeStats, Histogram};
 pub use look::Look;
 pub use pick::{MAX_REACH, Pick, PickAt, PickTicket};
 pub use progressive::Progressive;
+pub use scale::{Scale, Transfer, key_of, value_of};
 pub use shading::{AVERAGED_DEPTH, EDL_GAIN, MOST_FRAGMENTS};

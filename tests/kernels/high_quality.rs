@@ -5,12 +5,12 @@ use std::sync::Arc;
 
 use firstlight::{
     render::{
-        AVERAGED_DEPTH, Averaging, Backend, BackendInfo, Camera, CpuBackend, FileColor, FillBudget, FramePlan,
-        FrameRequest, GpuBackend, PassTimes, Pick, PickAt, PickTicket, Picture, Progressive, Raster, RenderError,
-        Shading, Sums, View,
+        AVERAGED_DEPTH, Averaging, Backend, BackendInfo, Camera, ColumnId, CpuBackend, FileColor, FillBudget,
+        FramePlan, FrameRequest, GpuBackend, Keys, PassTimes, Pick, PickAt, PickTicket, Picture, Progressive, Raster,
+        RenderError, Shading, Sums, View,
     },
     scene::{ColorRule, PointBatch},
-    store::Insertion,
+    store::{Insertion, Packing},
 };
 
 use crate::{
@@ -111,7 +111,7 @@ fn draw_all(backend: &mut Summing, cloud: &Cloud, view: View) -> (Vec<[u64; 4]>,
     let count = cloud.len() as u32;
     let request = unlit(high(FrameRequest { view, fill: FillBudget::Fixed(0), shading: Default::default() }));
     let target = backend.backend();
-    target.reset(count.into());
+    target.reset(count.into(), cloud.packing());
     target.insert(&Insertion::new(0, count, 3, 0), &cloud.batch(0..cloud.len())).unwrap();
     let plan = FramePlan {
         view,
@@ -120,7 +120,7 @@ fn draw_all(backend: &mut Summing, cloud: &Cloud, view: View) -> (Vec<[u64; 4]>,
         fresh: false,
         fill: [0..count, 0..0],
         shading: request.shading,
-        files: vec![FileColor::new(0, ColorRule::Rgb16)],
+        colors: Arc::new(vec![FileColor::new(0, ColorRule::Rgb16)].into()),
         averaging: Some(Averaging { begins: true, lists: false, slots: [0..count, 0..0] }),
         aside: false,
     };
@@ -393,8 +393,8 @@ impl Backend for Summing {
             Summing::Gpu(gpu) => gpu.sums(),
         }
     }
-    fn reset(&mut self, points: u64) {
-        self.backend().reset(points);
+    fn reset(&mut self, points: u64, packing: Option<Packing>) {
+        self.backend().reset(points, packing);
     }
     fn insertions_per_frame(&self) -> usize {
         // The same for all, so that all insert the same in each frame.
@@ -405,6 +405,12 @@ impl Backend for Summing {
     }
     fn insert(&mut self, insertion: &Insertion, points: &PointBatch) -> Result<(), RenderError> {
         self.backend().insert(insertion, points)
+    }
+    fn fill_column(&mut self, column: ColumnId, records: &[u32], keys: Keys<'_>) -> Result<(), RenderError> {
+        self.backend().fill_column(column, records, keys)
+    }
+    fn drop_column(&mut self, column: ColumnId) {
+        self.backend().drop_column(column);
     }
     fn set_relocation(&mut self, on: bool) {
         self.backend().set_relocation(on);

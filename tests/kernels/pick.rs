@@ -2,16 +2,24 @@
 
 use std::sync::Arc;
 
-use firstlight::render::{Backend, MAX_REACH, Pick, PickAt, Picture};
+use firstlight::render::{Backend, MAX_REACH, Pick, PickAt, PickTicket, Picture};
 
 use crate::{
     cloud::Cloud,
     convergence::{Session, options, request},
 };
 
+/// Asked again when the kernels are compiled.
+fn asked(session: &mut Session, at: PickAt) -> Option<PickTicket> {
+    session.progressive.pick(at).or_else(|| {
+        session.progressive.backend_mut().wait().unwrap();
+        session.progressive.pick(at)
+    })
+}
+
 /// The answer, waited for.
 fn picked(session: &mut Session, at: PickAt) -> Option<Pick> {
-    let ticket = session.progressive.pick(at).unwrap_or_else(|| panic!("{}: {at:?} is in no picture", session.name));
+    let ticket = asked(session, at).unwrap_or_else(|| panic!("{}: {at:?} is in no picture", session.name));
     session.progressive.backend_mut().wait().unwrap();
     session.progressive.picked(ticket).unwrap_or_else(|| panic!("{}: no answer after waiting", session.name))
 }
@@ -58,6 +66,7 @@ fn a_pick_is_the_record_of_the_nearest_pixel() {
     for mut session in Session::all(&cloud, options(1_000)) {
         let request = request(&cloud, &cloud.camera_moved(3), 1, 2_000);
         // While points arrive and move to other slots, and at the end.
+        let mut beside = 0;
         for step in 0..8 {
             match step {
                 0..6 => session.offer(&cloud, step * 1_000..(step + 1) * 1_000, 1_000),
@@ -65,17 +74,16 @@ fn a_pick_is_the_record_of_the_nearest_pixel() {
             }
             session.frame(&request);
             let picture = session.read();
-            let mut hits = 0;
             for pixel in places(&picture) {
                 for reach in [0, 1, 4] {
                     let at = PickAt { pixel, reach };
                     let found = picked(&mut session, at);
                     assert_eq!(difference(&picture, &cloud, at, found), None, "{}, step {step}", session.name);
-                    hits += usize::from(found.is_some_and(|pick| pick.pixel != pixel));
+                    beside += usize::from(found.is_some_and(|pick| pick.pixel != pixel));
                 }
             }
-            assert!(hits > 20, "{}: {hits} picks of a pixel beside", session.name);
         }
+        assert!(beside > 80, "{}: {beside} picks of a pixel beside", session.name);
         let picture = session.read();
         let far = PickAt { pixel: [0, 0], reach: MAX_REACH };
         let found = picked(&mut session, PickAt { reach: u32::MAX, ..far });
@@ -95,21 +103,21 @@ fn nothing_is_picked_where_the_words_no_longer_stand() {
     let cloud = Cloud::town(3_000);
     for mut session in Session::all(&cloud, options(1_000)) {
         let at = PickAt { pixel: [80, 60], reach: 4 };
-        assert_eq!(session.progressive.pick(at), None, "{}: nothing was drawn yet", session.name);
+        assert_eq!(asked(&mut session, at), None, "{}: nothing was drawn yet", session.name);
         session.offer(&cloud, 0..3_000, 1_000);
         session.progressive.end_of_input();
         let request = request(&cloud, &cloud.camera(), 1, 3_000);
         session.converge(&request, |_| ());
         assert!(picked(&mut session, at).is_some(), "{}", session.name);
-        assert_eq!(session.progressive.pick(PickAt { pixel: [160, 60], reach: 4 }), None, "{}: outside", session.name);
+        assert_eq!(asked(&mut session, PickAt { pixel: [160, 60], reach: 4 }), None, "{}: outside", session.name);
         session.progressive.truth(&request).unwrap();
-        assert_eq!(session.progressive.pick(at), None, "{}: a picture aside", session.name);
+        assert_eq!(asked(&mut session, at), None, "{}: a picture aside", session.name);
         // Nothing changed, so nothing is drawn; but a move of the camera draws again.
         let moved = crate::convergence::request(&cloud, &cloud.camera_moved(1), 1, 3_000);
         session.frame(&moved);
-        assert!(session.progressive.pick(at).is_some(), "{}", session.name);
+        assert!(asked(&mut session, at).is_some(), "{}", session.name);
         session.progressive.open(Arc::new(cloud.facts.clone()));
-        assert_eq!(session.progressive.pick(at), None, "{}: another scene", session.name);
+        assert_eq!(asked(&mut session, at), None, "{}: another scene", session.name);
     }
 }
 
@@ -120,7 +128,7 @@ fn questions_that_nobody_asks_about_again_give_way() {
         session.offer(&cloud, 0..3_000, 1_000);
         session.frame(&request(&cloud, &cloud.camera(), 1, 3_000));
         let at = PickAt { pixel: [80, 60], reach: 4 };
-        let tickets: Vec<_> = (0..20).map(|_| session.progressive.pick(at).unwrap()).collect();
+        let tickets: Vec<_> = (0..20).map(|_| asked(&mut session, at).unwrap()).collect();
         session.progressive.backend_mut().wait().unwrap();
         let answers: Vec<_> = tickets.iter().map(|&ticket| session.progressive.picked(ticket).unwrap()).collect();
         assert!(answers[..12].iter().all(Option::is_none), "{}: given up", session.name);

@@ -5,8 +5,11 @@ use std::mem::offset_of;
 
 use firstlight::{
     gpu::shaders::{self, Shader},
-    render::{FileColor, PickWords, ShadingUniform, View},
-    store::gpu::InsertionUniform,
+    render::{ColorTablesUniform, ColumnScaleUniform, FileColor, PickWords, ShadingUniform, View},
+    store::{
+        Encoding,
+        gpu::{InsertionUniform, PageUniform},
+    },
 };
 use naga::valid::Capabilities;
 
@@ -16,8 +19,10 @@ use crate::wgsl::{capabilities, validate};
 fn all_modules_are_valid() {
     let failures: Vec<_> = shaders::ALL
         .iter()
-        .filter_map(|shader| {
-            validate(&shader.source(), capabilities(shader.needs)).err().map(|e| format!("{}:\n{e}", shader.name))
+        .flat_map(|shader| [Encoding::Wide, Encoding::Packed].map(|encoding| (shader, encoding)))
+        .filter_map(|(shader, encoding)| {
+            let invalid = validate(&shader.source_in(encoding), capabilities(shader.needs)).err()?;
+            Some(format!("{}, {}:\n{invalid}", shader.name, encoding.name()))
         })
         .collect();
     assert!(failures.is_empty(), "{}", failures.join("\n"));
@@ -66,7 +71,10 @@ fn host_structs_have_the_layout_of_the_shaders() {
         layout_of(&shaders::INSERT, "Insertion"),
         host_layout!(InsertionUniform: old_points, new_points, left_bits, right_bits, keys, fresh_before, staging_capacity, domain, shift)
     );
+    assert_eq!(layout_of(&shaders::MOVE, "Page"), host_layout!(PageUniform: base, first, bits, len));
     assert_eq!(layout_of(&shaders::RESOLVE, "FileColor"), host_layout!(FileColor: first_record, kind, low, high));
+    assert_eq!(layout_of(&shaders::RESOLVE, "ColorTables"), host_layout!(ColorTablesUniform: thresholds, ramp));
+    assert_eq!(layout_of(&shaders::COLUMN, "ColumnColors"), host_layout!(ColumnScaleUniform: high, low, colors));
     assert_eq!(
         layout_of(&shaders::PICK, "Pick"),
         host_layout!(PickWords: width, height, x, y, reach, pixel, slot, depth, record, position_x, position_y, position_z)
@@ -84,6 +92,9 @@ fn constants_are_the_hosts() {
     assert!(source.contains(&format!("const ROUNDS: u32 = {}u;", firstlight::store::ROUNDS)));
     let window = format!("const AVERAGED_DEPTH: f32 = {};", firstlight::render::AVERAGED_DEPTH);
     let most = format!("const MOST_FRAGMENTS: u32 = {}u << 20u;", firstlight::render::MOST_FRAGMENTS >> 20);
+    let [r, g, b] = firstlight::render::NO_DATA;
+    let no_data = format!("const NO_DATA: u32 = 0x{b:02x}{g:02x}{r:02x}u;");
+    assert!(shaders::RESOLVE.source().contains(&no_data));
     for shader in [shaders::AVERAGE_32, shaders::AVERAGE_64] {
         assert!(shader.source().contains(&window) && shader.source().contains(&most), "{}", shader.name);
     }

@@ -14,12 +14,12 @@ use crate::{
     headless::{BackendChoice, default_camera, make_backend},
     measure::stats::quantile,
     render::{
-        Backend, BackendInfo, Camera, FillBudget, FramePlan, FrameReport, FrameRequest, INSERTION_POINTS, Pick, PickAt,
-        PickTicket, Picture, Progressive, RasterChoice, Shading, StoreOptions, Sums,
+        Backend, BackendInfo, Camera, ColumnId, FillBudget, FramePlan, FrameReport, FrameRequest, INSERTION_POINTS,
+        Keys, Pick, PickAt, PickTicket, Picture, Progressive, RasterChoice, Shading, StoreOptions, Sums,
     },
     scene::{PointBatch, SceneFacts},
     source::{self, Event, SourceError},
-    store::Insertion,
+    store::{Encoding, Insertion, Packing},
 };
 
 /// Where and what to draw.
@@ -313,8 +313,11 @@ impl Backend for Timed {
     fn sums(&self) -> Sums {
         self.inner.sums()
     }
-    fn reset(&mut self, points: u64) {
-        self.inner.reset(points);
+    fn set_encoding(&mut self, encoding: Option<Encoding>) {
+        self.inner.set_encoding(encoding);
+    }
+    fn reset(&mut self, points: u64, packing: Option<Packing>) {
+        self.inner.reset(points, packing);
     }
     fn insertions_per_frame(&self) -> usize {
         self.inner.insertions_per_frame()
@@ -327,6 +330,12 @@ impl Backend for Timed {
         let inserted = self.inner.insert(insertion, points);
         self.insert_secs += begun.elapsed().as_secs_f64();
         inserted
+    }
+    fn fill_column(&mut self, column: ColumnId, records: &[u32], keys: Keys<'_>) -> Result<(), RenderError> {
+        self.inner.fill_column(column, records, keys)
+    }
+    fn drop_column(&mut self, column: ColumnId) {
+        self.inner.drop_column(column);
     }
     fn set_relocation(&mut self, on: bool) {
         self.inner.set_relocation(on);

@@ -3,6 +3,7 @@
 //! result depends on the number of threads.
 
 mod average;
+mod columns;
 mod index;
 mod pick;
 mod raster;
@@ -12,12 +13,15 @@ mod threads;
 
 use std::{ops::Range, sync::atomic::AtomicU64, thread::available_parallelism, time::Instant};
 
-use self::{average::PixelSums, resolve::Resolved, store::PointStore, threads::map_parts};
+use self::{average::PixelSums, columns::Columns, resolve::Resolved, store::PointStore, threads::map_parts};
 use super::{
-    Averaging, Backend, BackendInfo, FramePlan, PassTimes, Pick, PickAt, PickTicket, Picture, Raster, RenderError,
-    Sums, View, elevation_ramp, pick::Picks,
+    Averaging, Backend, BackendInfo, ColumnId, FramePlan, Keys, PassTimes, Pick, PickAt, PickTicket, Picture, Raster,
+    RenderError, Sums, View, pick::Picks,
 };
-use crate::{scene::PointBatch, store::Insertion};
+use crate::{
+    scene::PointBatch,
+    store::{Encoding, Insertion, Packing},
+};
 
 /// The word of a pixel that no point covers.
 const BACKGROUND: u64 = u64::MAX;
@@ -46,7 +50,7 @@ pub struct CpuBackend {
     /// Of high-quality shading, per pixel; empty until asked for.
     sums: Vec<PixelSums>,
     resolved: Resolved,
-    ramp: [[u8; 4]; 256],
+    columns: Columns,
     /// Seconds that insertions took since the last frame.
     insert_secs: f64,
     /// Insertions since the last frame.
@@ -61,7 +65,14 @@ impl CpuBackend {
         let threads = threads.unwrap_or_else(|| available_parallelism().map_or(1, usize::from)).max(1);
         let adapter = format!("CPU, {threads} {}", if threads == 1 { "thread" } else { "threads" });
         CpuBackend {
-            info: BackendInfo { adapter, api: "cpu".into(), driver: String::new(), method: Raster::Cpu, choice: None },
+            info: BackendInfo {
+                adapter,
+                api: "cpu".into(),
+                driver: String::new(),
+                method: Raster::Cpu,
+                encoding: Encoding::Wide,
+                choice: None,
+            },
             threads,
             store: PointStore::default(),
             visible: Vec::new(),
@@ -72,7 +83,7 @@ impl CpuBackend {
             words: Vec::new(),
             sums: Vec::new(),
             resolved: Resolved::default(),
-            ramp: elevation_ramp(),
+            columns: Columns::default(),
             insert_secs: 0.0,
             insertions: 0,
             times: None,
@@ -104,7 +115,7 @@ impl CpuBackend {
     /// Adds a point to the sums.
     fn add_slot(&self, plan: &FramePlan, slot: u32) {
         let position = self.store.positions[slot as usize];
-        let color = || resolve::point_color(&plan.files, &self.store, slot, &self.ramp);
+        let color = || resolve::point_color(&plan.colors, &self.store, slot);
         average::add_point(&self.sums, &self.words, &plan.view, slot, position, color);
     }
 
@@ -175,9 +186,10 @@ impl Backend for CpuBackend {
         Sums::Hqs
     }
 
-    fn reset(&mut self, _points: u64) {
+    fn reset(&mut self, _points: u64, _packing: Option<Packing>) {
         // No memory is set aside for the points announced: a header may promise any number of them.
         self.store = PointStore::default();
+        self.columns = Columns::default();
         self.visible = Vec::new();
         self.fresh = Vec::new();
         self.insert_secs = 0.0;
@@ -221,6 +233,16 @@ impl Backend for CpuBackend {
         self.insert_secs += start.elapsed().as_secs_f64();
         self.insertions += 1;
         Ok(())
+    }
+
+    fn fill_column(&mut self, column: ColumnId, records: &[u32], keys: Keys<'_>) -> Result<(), RenderError> {
+        let refusal =
+            |error: std::collections::TryReserveError| RenderError::NoMemoryForValues { detail: error.to_string() };
+        self.columns.fill(column, records, keys).map_err(refusal)
+    }
+
+    fn drop_column(&mut self, column: ColumnId) {
+        self.columns.drop_column(column);
     }
 
     fn set_relocation(&mut self, on: bool) {
@@ -273,7 +295,7 @@ impl Backend for CpuBackend {
         }
         times.index = lap();
         let sums = plan.averaging.as_ref().map(|_| self.sums.as_slice());
-        self.resolved.resolve(plan, &self.words, sums, &self.store, &self.ramp, self.threads);
+        self.resolved.resolve(plan, &self.words, sums, &self.store, &self.columns, self.threads);
         times.resolve = lap();
         self.times = Some(times);
         Ok(())

@@ -71,7 +71,8 @@ impl Average {
             Sums::Hqs1r => (shaders::AVERAGE_64, shaders::RESOLVE_64),
             Sums::Hqs => (shaders::AVERAGE_32, shaders::RESOLVE_32),
         };
-        let (average, resolve) = (average.module(device), resolve.module(device));
+        let encoding = pages.encoding();
+        let (average, resolve) = (average.module_in(device, encoding), resolve.module_in(device, encoding));
         let layout = kernel::layout(device, "sums", wgpu::ShaderStages::COMPUTE, &[Uniform, Read, ReadWrite, Uniform]);
         let binder = SourceBinder::new(device);
         let adding = |entry| {

@@ -9,7 +9,7 @@ use crate::{
         shaders,
         timing::FrameTimer,
     },
-    store::gpu::GpuStore,
+    store::{Encoding, gpu::GpuStore},
 };
 
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
@@ -19,6 +19,8 @@ const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 pub struct HardwareRaster {
     depth: wgpu::RenderPipeline,
     claim: wgpu::RenderPipeline,
+    /// How it reads positions.
+    pub encoding: Encoding,
     layout_words: wgpu::BindGroupLayout,
     layout_depths: wgpu::BindGroupLayout,
     target: Option<Target>,
@@ -45,10 +47,10 @@ impl HardwareRaster {
         needed.iter().find(|(flag, _)| !flags.contains(*flag)).map(|&(_, name)| name)
     }
 
-    pub fn new(device: &wgpu::Device, layout_positions: &wgpu::BindGroupLayout) -> HardwareRaster {
+    pub fn new(device: &wgpu::Device, layout_positions: &wgpu::BindGroupLayout, encoding: Encoding) -> HardwareRaster {
         let layout_words = words_layout(device);
         let layout_depths = kernel::layout(device, "depths", wgpu::ShaderStages::FRAGMENT, &[Binding::DepthTexture]);
-        let module = shaders::HARDWARE.module(device);
+        let module = shaders::HARDWARE.module_in(device, encoding);
         let pipeline = |label, claims: bool| {
             let groups: &[&wgpu::BindGroupLayout] = if claims {
                 &[&layout_words, layout_positions, &layout_depths]
@@ -90,6 +92,7 @@ impl HardwareRaster {
         HardwareRaster {
             depth: pipeline("depth", false),
             claim: pipeline("claim", true),
+            encoding,
             layout_words,
             layout_depths,
             target: None,

@@ -19,7 +19,7 @@ use super::{
 };
 use crate::{
     render::{Candidate, Choice, Clock, Measured, Measurement, Raster, RasterChoice, RenderError, View, Why, best},
-    store::gpu::GpuStore,
+    store::{Encoding, gpu::GpuStore},
 };
 
 /// How long the size of the picture must stay before it is measured for: not while a window is dragged.
@@ -54,6 +54,8 @@ pub struct Chooser {
     hardware_maker: Option<thread::JoinHandle<HardwareRaster>>,
     /// What the device can run.
     able: Vec<Candidate>,
+    /// How rasterizers read positions.
+    pub encoding: Encoding,
     /// What it cannot, with the reason.
     unable: Vec<Measured>,
     ready: Instant,
@@ -108,6 +110,8 @@ impl Chooser {
             hardware: None,
             hardware_maker: None,
             able,
+            // That of most scenes.
+            encoding: Encoding::Packed,
             unable,
             ready: Instant::now(),
             expected: 0,
@@ -137,28 +141,30 @@ impl Chooser {
     /// A rasterizer that the device can run.
     pub fn rasterizer(&mut self, device: &wgpu::Device, store: &GpuStore, candidate: Candidate) -> Rasterizer {
         if candidate.method == Raster::Points {
+            let is_made = |raster: &HardwareRaster| raster.encoding == self.encoding;
+            let made = self.hardware.take().filter(is_made);
             let raster =
-                self.hardware.get_or_insert_with(|| HardwareRaster::new(device, &store.pages.layout_positions));
-            return Rasterizer::Hardware(raster.clone());
+                made.unwrap_or_else(|| HardwareRaster::new(device, &store.pages.layout_positions, self.encoding));
+            return Rasterizer::Hardware(self.hardware.insert(raster).clone());
         }
-        Rasterizer::Compute(ComputeRaster::new(device, candidate, &mut self.kernels))
+        Rasterizer::Compute(ComputeRaster::new(device, candidate, &mut self.kernels, self.encoding))
     }
 
     /// Starts to make what these candidates need, on threads of their own.
     fn make_aside(&mut self, device: &wgpu::Device, store: &GpuStore, candidates: Vec<Candidate>) {
         let wants_points = candidates.iter().any(|candidate| candidate.method == Raster::Points);
         if self.hardware.is_none() && self.hardware_maker.is_none() && wants_points {
-            let (device, layout) = (device.clone(), store.pages.layout_positions.clone());
-            let make = move || HardwareRaster::new(&device, &layout);
+            let (device, layout, encoding) = (device.clone(), store.pages.layout_positions.clone(), self.encoding);
+            let make = move || HardwareRaster::new(&device, &layout, encoding);
             self.hardware_maker = thread::Builder::new().name("point lists".into()).spawn(make).ok();
         }
-        self.kernels.make_aside(device, candidates);
+        self.kernels.make_aside(device, candidates, self.encoding);
     }
 
     /// Whether nothing need be compiled for a candidate any more.
     fn is_ready(&mut self, candidate: Candidate) -> bool {
         if candidate.method != Raster::Points {
-            return self.kernels.is_ready(candidate);
+            return self.kernels.is_ready(candidate, self.encoding);
         }
         if self.hardware_maker.as_ref().is_some_and(|maker| !maker.is_finished()) {
             return false;
@@ -173,6 +179,14 @@ impl Chooser {
     pub fn reset(&mut self, points: u64) {
         self.expected = points;
         self.stored = 0;
+        self.measured = None;
+        self.round = None;
+    }
+
+    /// Positions are read otherwise from now on; what was measured need not hold.
+    pub fn set_encoding(&mut self, encoding: Encoding) {
+        self.encoding = encoding;
+        self.hardware = None;
         self.measured = None;
         self.round = None;
     }
@@ -463,6 +477,6 @@ mod tests {
                 thread::sleep(Duration::from_millis(1));
             }
         }
-        assert!(chooser.hardware.is_some() && chooser.kernels.is_ready(Candidate::new(Raster::AtomicMin)));
+        assert!(chooser.hardware.is_some() && chooser.is_ready(Candidate::new(Raster::AtomicMin)));
     }
 }

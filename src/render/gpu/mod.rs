@@ -3,6 +3,7 @@
 mod average;
 mod choose;
 mod color;
+mod columns;
 mod compute;
 mod hardware;
 mod index;
@@ -15,19 +16,20 @@ mod targets;
 
 use self::{
     average::Average,
+    columns::Columns,
     compute::{ComputeRaster, Kernels},
     hardware::HardwareRaster,
     index::IndexBuild,
     measure::Chooser,
     pick::Picker,
-    resolve::Resolve,
+    resolve::{ColorSource, Resolve},
     sources::{Source, SourceBinder, Sources},
     targets::{TargetLayouts, Targets},
 };
-pub use self::{pick::PickWords, resolve::ShadingUniform};
+pub use self::{color::ColorTablesUniform, columns::ColumnScaleUniform, pick::PickWords, resolve::ShadingUniform};
 use super::{
-    Averaging, Backend, BackendInfo, Candidate, FramePlan, Measured, PassTimes, Pick, PickAt, PickTicket, Picture,
-    RasterChoice, RenderError, Sums, View,
+    Averaging, Backend, BackendInfo, Candidate, ColumnId, FramePlan, Keys, Measured, PassTimes, Pick, PickAt,
+    PickTicket, Picture, RasterChoice, RenderError, Sums, View,
 };
 use crate::{
     gpu::{
@@ -36,7 +38,7 @@ use crate::{
     },
     scene::PointBatch,
     store::{
-        Insertion,
+        Encoding, Insertion, Packing,
         gpu::{GpuStore, INSERTIONS_PER_FRAME},
     },
 };
@@ -52,6 +54,8 @@ pub struct GpuBackend {
     device: wgpu::Device,
     queue: wgpu::Queue,
     store: GpuStore,
+    /// Of scenes to come, where it fits.
+    encoding: Encoding,
     view: wgpu::Buffer,
     layouts: TargetLayouts,
     targets: Option<Targets>,
@@ -64,6 +68,7 @@ pub struct GpuBackend {
     /// For high-quality shading, once it was asked for.
     average: Option<Average>,
     picker: Picker,
+    columns: Columns,
     timer: FrameTimer,
     lost: std::sync::Arc<std::sync::Mutex<Option<String>>>,
 }
@@ -105,6 +110,7 @@ impl GpuBackend {
         let kernels = Kernels::new(&layouts, &store, &binder);
         let mut chooser = Chooser::new(kernels, adapter.device_type, choice, candidates);
         let rasterizer = chooser.rasterizer(&device, &store, candidate);
+        let resolve = Resolve::new(&device, &layouts, &store.pages);
         let lost = std::sync::Arc::<std::sync::Mutex<Option<String>>>::default();
         let loss = lost.clone();
         device.set_device_lost_callback(move |reason, message| {
@@ -120,6 +126,7 @@ impl GpuBackend {
                 api: adapter.backend.to_str().to_owned(),
                 driver: format!("{} {}", adapter.driver, adapter.driver_info).trim().to_owned(),
                 method: candidate.method,
+                encoding: Encoding::default(),
                 choice: Some(chooser.first_choice(candidate)),
             },
             view: kernel::uniform(&device, "view", size_of::<View>() as u64),
@@ -129,11 +136,13 @@ impl GpuBackend {
             rasterizer,
             chooser,
             index: IndexBuild::new(&device, &layouts),
-            resolve: Resolve::new(&device, &queue, &layouts, &store.pages),
+            columns: Columns::new(&device, &queue, &layouts, &resolve.layout_colors),
+            resolve,
             average: None,
-            picker: Picker::new(&device, &store.pages),
+            picker: Picker::new(&device),
             timer: FrameTimer::new(&device, &queue, adapter.device_type),
             store,
+            encoding: Encoding::default(),
             layouts,
             device,
             queue,
@@ -148,13 +157,41 @@ impl GpuBackend {
         self.targets.as_ref().map(|targets| (&targets.picture, targets.size))
     }
 
+    /// Makes anew what reads positions, if the store holds them in another encoding than at the last frame.
+    fn follow_encoding(&mut self) -> Result<(), RenderError> {
+        let encoding = self.store.pages.encoding();
+        if self.chooser.encoding == encoding {
+            return Ok(());
+        }
+        self.info.encoding = encoding;
+        self.chooser.set_encoding(encoding);
+        self.resolve.set_encoding(&self.device, &self.layouts, &self.store.pages);
+        // Its sums are those of a scene that is gone, or that has grown since.
+        self.average = None;
+        let candidate = self.info.choice.as_ref().map_or(Candidate::new(self.info.method), |choice| choice.candidate);
+        self.rasterizer = self.chooser.rasterizer(&self.device, &self.store, candidate);
+        if let (Rasterizer::Hardware(raster), Some(targets)) = (&mut self.rasterizer, &self.targets) {
+            let [width, height] = targets.size;
+            raster
+                .resize(&self.device, &self.view, &targets.words, targets.size)
+                .map_err(|detail| RenderError::NoMemoryForPicture { width, height, detail })?;
+        }
+        Ok(())
+    }
+
     /// The store, for measuring with other settings than a viewer's.
     pub fn store_mut(&mut self) -> &mut GpuStore {
         &mut self.store
     }
 
+    /// The columns of values, for tests with other settings than a viewer's.
+    pub fn columns_mut(&mut self) -> &mut Columns {
+        &mut self.columns
+    }
+
     /// One frame. Every pass in order; all state that flows from one to the next is in the arguments.
     fn record(&mut self, encoder: &mut wgpu::CommandEncoder, targets: &Targets, sources: &Sources, plan: &FramePlan) {
+        self.columns.record_fill(encoder);
         if self.store.pending_insertions() > 0 {
             self.store.record(&mut self.timer.compute_pass(encoder, Stage::Insert));
         }
@@ -175,8 +212,12 @@ impl GpuBackend {
         if !plan.keeps_depths && !plan.aside {
             self.index.record(&self.device, encoder, &mut self.timer, targets, &self.store.lists);
         }
-        let averages = self.average.as_ref().map(Average::resolve).zip(bind_sums.as_ref());
-        self.resolve.record(&self.device, encoder, &mut self.timer, targets, &self.store.pages, averages);
+        let by = match (&plan.colors.column, &self.average, &bind_sums) {
+            (Some(colors), ..) => ColorSource::Column(&self.columns, colors),
+            (None, Some(average), Some(sums)) => ColorSource::Averages(average.resolve(), sums),
+            _ => ColorSource::Files,
+        };
+        self.resolve.record(&self.device, encoder, &mut self.timer, targets, &self.store.pages, by);
     }
 
     /// The second pass of high-quality shading, if the frame has one; the bind group of its sums.
@@ -245,9 +286,14 @@ impl Backend for GpuBackend {
         average::sums_for(&self.device, pixels.into())
     }
 
-    fn reset(&mut self, points: u64) {
-        self.store.reset(points);
+    fn set_encoding(&mut self, encoding: Option<Encoding>) {
+        self.encoding = encoding.unwrap_or_default();
+    }
+
+    fn reset(&mut self, points: u64, packing: Option<Packing>) {
+        self.store.reset(points, packing.filter(|_| self.encoding == Encoding::Packed));
         self.chooser.reset(points);
+        self.columns.reset(points);
     }
 
     fn insertions_per_frame(&self) -> usize {
@@ -283,6 +329,15 @@ impl Backend for GpuBackend {
         Ok(())
     }
 
+    fn fill_column(&mut self, column: ColumnId, records: &[u32], keys: Keys<'_>) -> Result<(), RenderError> {
+        self.check_device()?;
+        self.columns.stage(column, records, keys)
+    }
+
+    fn drop_column(&mut self, column: ColumnId) {
+        self.columns.drop_column(column);
+    }
+
     fn set_relocation(&mut self, on: bool) {
         self.store.set_relocation(on);
     }
@@ -290,6 +345,7 @@ impl Backend for GpuBackend {
     fn draw(&mut self, plan: &FramePlan) -> Result<(), RenderError> {
         self.check_device()?;
         self.resize([plan.view.width, plan.view.height])?;
+        self.follow_encoding()?;
         self.prepare_average(plan)?;
         let Some(targets) = self.targets.take() else { unreachable!("just made") };
         let mut encoder = self.device.create_command_encoder(&Default::default());
@@ -299,7 +355,11 @@ impl Backend for GpuBackend {
         // The second argument of the indirect draw: the pixels of a point.
         let instances = plan.view.point_size.pow(2);
         self.queue.write_buffer(&self.store.lists.visible_arguments, 4, bytemuck::bytes_of(&instances));
-        self.resolve.prepare(&self.device, &self.queue, plan);
+        if self.resolve.prepare(&self.device, &self.queue, plan)
+            && let Some(colors) = &plan.colors.column
+        {
+            self.columns.prepare(colors);
+        }
         let list = [(Source::Reproject, plan.reproject), (Source::Fresh, plan.fresh), (Source::Fill, true)];
         let list = list.into_iter().filter_map(|(source, drawn)| drawn.then_some(source)).collect();
         let sources = self.binder.bind(&self.device, &self.queue, &self.store, list, &plan.fill);
@@ -333,7 +393,7 @@ impl Backend for GpuBackend {
 
     fn pick(&mut self, at: PickAt) -> Option<PickTicket> {
         let targets = self.targets.as_ref().filter(|targets| (0..2).all(|a| at.pixel[a] < targets.size[a]))?;
-        Some(self.picker.ask(&self.device, &self.queue, targets, &self.store.pages, at))
+        self.picker.ask(&self.device, &self.queue, targets, &self.store.pages, at)
     }
 
     fn picked(&mut self, ticket: PickTicket) -> Option<Option<Pick>> {
@@ -343,11 +403,13 @@ impl Backend for GpuBackend {
     }
 
     fn wait(&mut self) -> Result<(), RenderError> {
+        self.picker.wait();
         device::wait(&self.device)?;
         self.check_device()
     }
 
     fn read(&mut self) -> Result<Picture, RenderError> {
+        self.follow_encoding()?;
         let Some(targets) = &self.targets else {
             return Ok(Picture { width: 0, height: 0, rgba: vec![], records: vec![], depth: vec![] });
         };

@@ -1,7 +1,10 @@
 //! Asks which point is at a pixel, without waiting for the answer: a few dozen bytes come back when the device has
 //! done what it was given.
 
-use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::{
+    sync::mpsc::{Receiver, TryRecvError, channel},
+    thread::JoinHandle,
+};
 
 use wgpu::BufferUsages;
 
@@ -15,7 +18,7 @@ use crate::{
         Pick, PickAt, PickTicket,
         pick::{MAX_REACH, Picks},
     },
-    store::gpu::Pages,
+    store::{Encoding, gpu::Pages},
 };
 
 /// A question and its answer in numbers for the kernel. Layout shared with `shaders/pick.wgsl`.
@@ -41,9 +44,22 @@ const BYTES: u64 = size_of::<PickWords>() as u64;
 /// The kernels, and the questions that are on their way.
 pub struct Picker {
     layout: wgpu::BindGroupLayout,
+    kernels: Kernels,
+    picks: Picks<Asked>,
+}
+
+/// Compiled when the first question is asked, on a thread of their own: a driver may take a tenth of a second, which
+/// neither the first picture nor a frame has.
+enum Kernels {
+    None,
+    Compiling(JoinHandle<Compiled>),
+    Ready(Compiled),
+}
+
+struct Compiled {
+    encoding: Encoding,
     nearest: wgpu::ComputePipeline,
     point: wgpu::ComputePipeline,
-    picks: Picks<Asked>,
 }
 
 struct Asked {
@@ -52,19 +68,49 @@ struct Asked {
 }
 
 impl Picker {
-    pub fn new(device: &wgpu::Device, pages: &Pages) -> Picker {
+    pub fn new(device: &wgpu::Device) -> Picker {
         let bindings = [Binding::Read, Binding::ReadWrite];
         let layout = kernel::layout(device, "pick", wgpu::ShaderStages::COMPUTE, &bindings);
-        let module = shaders::PICK.module(device);
-        Picker {
-            nearest: kernel::compute(device, &module, "pick_nearest", &[&layout]),
-            point: kernel::compute(device, &module, "pick_point", &[&layout, &pages.layout_resolve]),
-            layout,
-            picks: Picks::default(),
+        Picker { layout, kernels: Kernels::None, picks: Picks::default() }
+    }
+
+    /// Waits until the kernels are compiled, if they are being compiled.
+    pub fn wait(&mut self) {
+        if let Kernels::Compiling(thread) = std::mem::replace(&mut self.kernels, Kernels::None)
+            && let Ok(compiled) = thread.join()
+        {
+            self.kernels = Kernels::Ready(compiled);
         }
     }
 
-    /// Submits a question to the last frame's words.
+    /// Begins to compile the kernels for these pages, if they are not there.
+    fn prepare(&mut self, device: &wgpu::Device, pages: &Pages) {
+        if matches!(&self.kernels, Kernels::Compiling(thread) if thread.is_finished()) {
+            self.wait();
+        }
+        let encoding = pages.encoding();
+        let is_of_others = match &self.kernels {
+            Kernels::None => true,
+            Kernels::Compiling(_) => false,
+            Kernels::Ready(compiled) => compiled.encoding != encoding,
+        };
+        if is_of_others {
+            let (device, own, page) = (device.clone(), self.layout.clone(), pages.layout_resolve.clone());
+            let compile = move || {
+                let module = shaders::PICK.module_in(&device, encoding);
+                let nearest = kernel::compute(&device, &module, "pick_nearest", &[&own]);
+                let point = kernel::compute(&device, &module, "pick_point", &[&own, &page]);
+                Compiled { encoding, nearest, point }
+            };
+            self.kernels = match std::thread::Builder::new().name("compile-pick".into()).spawn(compile) {
+                Ok(thread) => Kernels::Compiling(thread),
+                // Tried again by the next question.
+                Err(_) => Kernels::None,
+            };
+        }
+    }
+
+    /// Submits a question to the last frame's words; none while the kernels are being compiled.
     pub fn ask(
         &mut self,
         device: &wgpu::Device,
@@ -72,7 +118,9 @@ impl Picker {
         targets: &Targets,
         pages: &Pages,
         at: PickAt,
-    ) -> PickTicket {
+    ) -> Option<PickTicket> {
+        self.prepare(device, pages);
+        let Kernels::Ready(kernels) = &self.kernels else { return None };
         let [width, height] = targets.size;
         let [x, y] = at.pixel;
         let mut question =
@@ -87,9 +135,9 @@ impl Picker {
         {
             let mut pass = encoder.begin_compute_pass(&Default::default());
             pass.set_bind_group(0, &bind, &[]);
-            pass.set_pipeline(&self.nearest);
+            pass.set_pipeline(&kernels.nearest);
             pass.dispatch_workgroups(1, 1, 1);
-            pass.set_pipeline(&self.point);
+            pass.set_pipeline(&kernels.point);
             for page in pages.iter() {
                 pass.set_bind_group(1, &page.bind_resolve, &[]);
                 pass.dispatch_workgroups(1, 1, 1);
@@ -102,7 +150,7 @@ impl Picker {
             // Nobody listens once the question is given up.
             let _ = done.send(result.is_ok());
         });
-        self.picks.open(Asked { readback, mapped }).0
+        Some(self.picks.open(Asked { readback, mapped }).0)
     }
 
     /// The answer, once it is there. The device must have been polled.
@@ -120,5 +168,12 @@ impl Picker {
             depth: f32::from_bits(words.depth),
             pixel: [words.pixel % words.width, words.pixel / words.width],
         }))
+    }
+}
+
+impl Drop for Picker {
+    /// A driver does not like to be left in the middle.
+    fn drop(&mut self) {
+        self.wait();
     }
 }

@@ -2,6 +2,7 @@
 
 use super::{
     color::ColorTables,
+    columns::Columns,
     targets::{TargetLayouts, Targets},
 };
 use crate::{
@@ -10,8 +11,8 @@ use crate::{
         shaders,
         timing::{FrameTimer, Stage},
     },
-    render::{FramePlan, shading::EDL_GAIN},
-    store::gpu::Pages,
+    render::{ColumnColors, FramePlan, shading::EDL_GAIN},
+    store::{Encoding, gpu::Pages},
 };
 
 /// Lighting in numbers for the kernel. Layout shared with `shaders/light.wgsl`.
@@ -24,10 +25,18 @@ pub struct ShadingUniform {
     pub unused_b: u32,
 }
 
+/// Where the colours of a frame are from.
+pub enum ColorSource<'a> {
+    /// Each file's rule.
+    Files,
+    /// The pipeline that colours by averages, and the bind group of their sums.
+    Averages(&'a wgpu::ComputePipeline, &'a wgpu::BindGroup),
+    Column(&'a Columns, &'a ColumnColors),
+}
+
 /// The resolve pass.
 pub struct Resolve {
-    color: wgpu::ComputePipeline,
-    identify: wgpu::ComputePipeline,
+    points: PointPipelines,
     light: wgpu::ComputePipeline,
     /// Of what is written: colours and records.
     pub layout_colors: wgpu::BindGroupLayout,
@@ -36,21 +45,26 @@ pub struct Resolve {
     shading: wgpu::Buffer,
 }
 
+/// What reads points, in one encoding.
+struct PointPipelines {
+    encoding: Encoding,
+    color: wgpu::ComputePipeline,
+    identify: wgpu::ComputePipeline,
+    blank: wgpu::ComputePipeline,
+}
+
 impl Resolve {
-    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, layouts: &TargetLayouts, pages: &Pages) -> Resolve {
+    pub fn new(device: &wgpu::Device, layouts: &TargetLayouts, pages: &Pages) -> Resolve {
         use Binding::{Read, ReadWrite, Uniform};
         let compute = wgpu::ShaderStages::COMPUTE;
         let layout_colors = kernel::layout(device, "colors", compute, &[ReadWrite, ReadWrite]);
         let layout_light = kernel::layout(device, "light", compute, &[Uniform, Read, ReadWrite]);
-        let (resolve, light) = (shaders::RESOLVE.module(device), shaders::LIGHT.module(device));
-        let tables = ColorTables::new(device, queue);
-        let coloring = |entry| {
-            let groups = [&layouts.read, &pages.layout_resolve, &layout_colors, &tables.layout];
-            kernel::compute(device, &resolve, entry, &groups)
-        };
+        let light = shaders::LIGHT.module(device);
+        let tables = ColorTables::new(device);
+        let groups = [&layouts.read, &pages.layout_resolve, &layout_colors, &tables.layout];
         Resolve {
-            color: coloring("color"),
-            identify: coloring("identify"),
+            // That of most scenes.
+            points: PointPipelines::new(device, groups, Encoding::Packed),
             light: kernel::compute(device, &light, "light", &[&layouts.read, &layout_light]),
             shading: kernel::uniform(device, "shading", size_of::<ShadingUniform>() as u64),
             layout_colors,
@@ -59,9 +73,16 @@ impl Resolve {
         }
     }
 
-    /// Uploads the colour rules and the shading of a frame.
-    pub fn prepare(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, plan: &FramePlan) {
-        self.tables.prepare(device, queue, &plan.files);
+    /// For pages in this encoding from now on.
+    pub fn set_encoding(&mut self, device: &wgpu::Device, layouts: &TargetLayouts, pages: &Pages) {
+        if self.points.encoding != pages.encoding() {
+            let groups = [&layouts.read, &pages.layout_resolve, &self.layout_colors, &self.tables.layout];
+            self.points = PointPipelines::new(device, groups, pages.encoding());
+        }
+    }
+
+    /// Uploads the colours and the shading of a frame; true if the colours are others than the last frame's.
+    pub fn prepare(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, plan: &FramePlan) -> bool {
         let [r, g, b] = plan.shading.background;
         let uniform = ShadingUniform {
             edl_factor: EDL_GAIN * plan.shading.edl_strength,
@@ -70,9 +91,9 @@ impl Resolve {
             unused_b: 0,
         };
         queue.write_buffer(&self.shading, 0, bytemuck::bytes_of(&uniform));
+        self.tables.prepare(device, queue, &plan.colors)
     }
 
-    /// `averages`: the pipeline that colours by averages, and the bind group of their sums.
     pub fn record(
         &self,
         device: &wgpu::Device,
@@ -80,11 +101,22 @@ impl Resolve {
         timer: &mut FrameTimer,
         targets: &Targets,
         pages: &Pages,
-        averages: Option<(&wgpu::ComputePipeline, &wgpu::BindGroup)>,
+        by: ColorSource<'_>,
     ) {
-        let (pipeline, bind) = averages.unwrap_or((&self.color, &targets.bind_read));
         let mut pass = timer.compute_pass(encoder, Stage::Resolve);
-        self.record_pages(device, &mut pass, pipeline, bind, targets, pages);
+        match by {
+            ColorSource::Files => {
+                self.record_pages(device, &mut pass, &self.points.color, &targets.bind_read, targets, pages);
+            }
+            ColorSource::Averages(pipeline, sums) => {
+                self.record_pages(device, &mut pass, pipeline, sums, targets, pages);
+            }
+            ColorSource::Column(columns, colors) => {
+                self.record_pages(device, &mut pass, &self.points.blank, &targets.bind_read, targets, pages);
+                // Of what is written, `record_pages` has bound group 2.
+                columns.record(&mut pass, targets, colors);
+            }
+        }
         let buffers = [&self.shading, &targets.colors, &targets.picture];
         let bind = kernel::bind_buffers(device, "light", &self.layout_light, &buffers);
         pass.set_pipeline(&self.light);
@@ -102,7 +134,7 @@ impl Resolve {
         pages: &Pages,
     ) {
         let mut pass = encoder.begin_compute_pass(&Default::default());
-        self.record_pages(device, &mut pass, &self.identify, &targets.bind_read, targets, pages);
+        self.record_pages(device, &mut pass, &self.points.identify, &targets.bind_read, targets, pages);
     }
 
     fn record_pages(
@@ -124,5 +156,14 @@ impl Resolve {
             pass.set_bind_group(1, &page.bind_resolve, &[]);
             kernel::dispatch(pass, targets.pixels());
         }
+    }
+}
+
+impl PointPipelines {
+    /// `groups`: of words, of a page, of what is written, of colours.
+    fn new(device: &wgpu::Device, groups: [&wgpu::BindGroupLayout; 4], encoding: Encoding) -> PointPipelines {
+        let module = shaders::RESOLVE.module_in(device, encoding);
+        let coloring = |entry| kernel::compute(device, &module, entry, &groups);
+        PointPipelines { encoding, color: coloring("color"), identify: coloring("identify"), blank: coloring("blank") }
     }
 }
