@@ -1,6 +1,6 @@
 //! The options of how a scene is shown, the same for the window and for `render`.
 
-use clap::Args;
+use clap::{ArgMatches, Args, parser::ValueSource};
 
 use super::values;
 use crate::render::{
@@ -87,6 +87,30 @@ impl ColorArgs {
     }
 }
 
+/// Which field of [`Look`] an option sets, as a JSON pointer.
+const FIELDS: [(&str, &str); 14] = [
+    ("point_size", "/point_size"),
+    ("edl", "/shading/edl_strength"),
+    ("hq", "/shading/high_quality"),
+    ("filter", "/filter"),
+    ("clip", "/clip/bounds"),
+    ("slab", "/clip/slab"),
+    ("color_by", "/coloring/by"),
+    ("color_range", "/coloring/range"),
+    ("color_clip", "/coloring/clip_percent"),
+    ("color_map", "/coloring/map"),
+    ("class_color", "/coloring/classes"),
+    ("brightness", "/coloring/tone/brightness"),
+    ("contrast", "/coloring/tone/contrast"),
+    ("gamma", "/coloring/tone/gamma"),
+];
+
+/// The fields of a look that were given on the command line, rather than left at their defaults.
+pub fn given(matches: &ArgMatches) -> Vec<&'static str> {
+    let is_given = |id: &str| matches.value_source(id) == Some(ValueSource::CommandLine);
+    FIELDS.into_iter().filter(|(id, _)| is_given(id)).map(|(_, field)| field).collect()
+}
+
 impl LookArgs {
     /// `point_size` is for where none is given.
     pub fn look(&self, point_size: u32) -> Look {
@@ -101,5 +125,31 @@ impl LookArgs {
             filter: Filter { clauses: self.filter.clone() },
             clip: Clip { bounds: self.clip, slab: self.slab },
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::{Command, FromArgMatches};
+
+    use super::*;
+
+    #[test]
+    fn every_option_says_which_field_it_sets() {
+        let command = LookArgs::augment_args(Command::new("look"));
+        let json = serde_json::to_value(Look::default()).unwrap();
+        for argument in command.get_arguments() {
+            let field = FIELDS.iter().find(|(id, _)| argument.get_id() == id);
+            let (_, field) = field.unwrap_or_else(|| panic!("{} is missing in FIELDS", argument.get_id()));
+            assert!(json.pointer(field).is_some(), "no {field} in {json}");
+        }
+        let matches = command.try_get_matches_from(["look", "--edl", "0.4", "--hq"]).unwrap();
+        assert_eq!(
+            given(&matches),
+            ["/shading/edl_strength", "/shading/high_quality"],
+            "a default may be given as well"
+        );
+        let look = LookArgs::from_arg_matches(&matches).unwrap().look(2);
+        assert!(look.shading.high_quality);
     }
 }

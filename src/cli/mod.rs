@@ -111,9 +111,10 @@ pub fn main(args: impl IntoIterator<Item = OsString>, started: Instant) -> ExitC
 }
 
 fn run(args: impl IntoIterator<Item = OsString>, started: Instant) -> Result<ExitStatus, CliError> {
-    let parsed = Cli::command().try_get_matches_from(args).and_then(|matches| Cli::from_arg_matches(&matches));
-    let cli = match parsed {
-        Ok(cli) => cli,
+    let matches = Cli::command().try_get_matches_from(args);
+    let parsed = matches.and_then(|matches| Ok((Cli::from_arg_matches(&matches)?, matches)));
+    let (cli, matches) = match parsed {
+        Ok(parsed) => parsed,
         Err(message) => {
             // `--help` and `--version` arrive here too. A closed pipe is no reason to fail.
             let _ = message.print();
@@ -136,7 +137,7 @@ fn run(args: impl IntoIterator<Item = OsString>, started: Instant) -> Result<Exi
             synth::run(&args)?;
             Ok(ExitStatus::Ok)
         }
-        None => open::run(cli.open, started),
+        None => open::run(cli.open, look::given(&matches), started),
     }
 }
 

@@ -39,6 +39,9 @@ pub struct OpenArgs {
     /// Decoder threads; by default one per core, less one
     #[arg(long, value_name = "N", value_parser = values::parse_threads)]
     threads: Option<usize>,
+    /// Ignore what the window remembers from earlier runs (looks, panels, recent files), and remember nothing
+    #[arg(long)]
+    fresh: bool,
     #[command(flatten)]
     look: LookArgs,
 }
@@ -46,7 +49,8 @@ pub struct OpenArgs {
 /// Width of a point in the window, pixels: at one, near surfaces have holes in motion.
 const WINDOW_POINT_SIZE: u32 = 2;
 
-pub fn run(args: OpenArgs, started: Instant) -> Result<ExitStatus, CliError> {
+/// `given`: fields of the look that the command line says, for they win over what is remembered.
+pub fn run(args: OpenArgs, given: Vec<&'static str>, started: Instant) -> Result<ExitStatus, CliError> {
     if !view::has_display() {
         return picture_instead(args, started, "no display");
     }
@@ -54,6 +58,8 @@ pub fn run(args: OpenArgs, started: Instant) -> Result<ExitStatus, CliError> {
         inputs: args.inputs.clone(),
         method: args.method,
         look: args.look.look(WINDOW_POINT_SIZE),
+        given,
+        settings: if args.fresh { None } else { view::settings_place() },
         seed: args.seed,
         fill: args.fill,
         threads: args.threads,

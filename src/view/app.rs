@@ -1,25 +1,35 @@
 //! What a frame of the window does: take points, move the camera, draw, say what is on screen.
 
-use std::{path::PathBuf, time::Duration};
+use std::{
+    path::PathBuf,
+    time::{Duration, Instant},
+};
 
+use eframe::{
+    egui::{self, Color32, Context, Event, Id, Key, Modifiers, Rect, Sense, Ui},
+    egui_wgpu::RenderState,
+};
 use super::{
     Options,
     blit::Blit,
+    dialogs::{Chosen, Dialogs},
+    help,
     keys::Command,
     loading::Loading,
-    messages::Messages,
+    messages::{Messages, Severity},
+    models,
     navigation::StandardView,
     overlay::{self, Averages, Status},
     pace::Pace,
-    scene_state::{self, SceneState},
-    settings::Settings,
+    panels::{self, Typed, performance::Performance, share::Share},
+    remembered::{Remembered, Store},
+    requests::{Choose, Request},
+    scene_state::{self, SceneState, Taken},
+    screenshot::{self, ShotOptions, Writing},
+    settings::{Section, Settings},
     touch::Touch,
 };
-use crate::render::{Backend, FillBudget, GpuBackend, RenderError, Shading};
-use eframe::{
-    egui::{self, Color32, Context, Id, Rect, Sense, Ui},
-    egui_wgpu::RenderState,
-};
+use crate::render::{Backend, FillBudget, GpuBackend, RenderError};
 
 /// How often the numbers are brought up to date while nothing else asks for a frame.
 const STATUS_INTERVAL: Duration = Duration::from_millis(250);
@@ -27,32 +37,74 @@ const STATUS_INTERVAL: Duration = Duration::from_millis(250);
 pub struct App {
     scene: SceneState,
     blit: Blit,
+    device: wgpu::Device,
     touch: Touch,
     settings: Settings,
     messages: Messages,
     /// Of the picture, in pixels.
     size: [u32; 2],
     pace: Pace,
+    store: Store,
+    remembered: Remembered,
+    dialogs: Dialogs,
+    typed: Typed,
+    share: Share,
+    performance: Performance,
+    writing: Option<Writing>,
+    on_wayland: bool,
 }
 
 impl App {
-    pub fn new(ctx: &Context, state: &RenderState, options: Options) -> Result<App, RenderError> {
+    pub fn new(
+        ctx: &Context,
+        state: &RenderState,
+        options: Options,
+        store: Store,
+        remembered: Remembered,
+    ) -> Result<App, RenderError> {
         let backend = GpuBackend::on_device(&state.adapter, state.device.clone(), state.queue.clone(), options.method)?;
         let software = state.adapter.get_info().device_type == wgpu::DeviceType::Cpu;
-        ctx.set_theme(egui::Theme::Dark);
+        let settings = Settings::new(&options, &remembered);
+        ctx.set_theme(settings.theme.preference());
         let mut app = App {
             scene: SceneState::new(backend, &options, software),
             blit: Blit::new(&state.device, state.target_format),
+            device: state.device.clone(),
             touch: Touch::default(),
-            settings: Settings::new(&options),
+            settings,
             messages: Messages::default(),
             size: [0, 0],
             pace: Pace::default(),
+            store,
+            remembered,
+            dialogs: Dialogs::default(),
+            typed: Typed::default(),
+            share: Share { wait: true, ..Default::default() },
+            performance: Performance::default(),
+            writing: None,
+            on_wayland: super::is_on_wayland(),
         };
         if !options.inputs.is_empty() {
-            app.scene.open(ctx, options.inputs);
+            app.scene.open(ctx, options.inputs, false);
         }
         Ok(app)
+    }
+
+    fn take_incoming(&mut self, ctx: &Context) {
+        let is_first = self.scene.loading.is_none();
+        let taken = self.scene.take_incoming(ctx, &mut self.messages, self.size);
+        let Taken::Scene { inputs, keeps_view } = taken else { return };
+        self.remembered.note_opened(&inputs);
+        self.performance.forget_threads();
+        // What was kept of the scene before means nothing in this one; of the same files and others, moves still do.
+        self.touch = if keeps_view { self.touch.in_same_place() } else { Touch::default() };
+        // What the command line gave is meant for the first one.
+        if !keeps_view && !is_first {
+            self.settings.forget_scene();
+        }
+        let first = self.scene.facts().and_then(|scene| scene.files.first()).map(|file| file.path.clone());
+        self.share.path = screenshot::default_path(first.as_deref()).display().to_string();
+        self.share.may_replace = false;
     }
 
     /// Lets points in and draws; true if the next frame should follow at once.
@@ -62,14 +114,101 @@ impl App {
         if advance.drawn {
             self.touch.note_drawn();
         }
+        if advance.drawn
+            && let Some(times) = self.scene.progressive.last_pass_times()
+        {
+            self.performance.note_frame(*times, self.pace.last_secs());
+        }
         advance.again
     }
 
-    fn take_incoming(&mut self, ctx: &Context) {
-        if self.scene.take_incoming(ctx, &mut self.messages, self.size) {
-            // What was kept of the scene before means nothing in this one.
-            self.touch = Touch::default();
+    fn obey(&mut self, ctx: &Context, request: Request) {
+        match request {
+            Request::Open { inputs, add } => self.scene.open(ctx, inputs, add),
+            Request::Choose { what, add } => {
+                let at = match what {
+                    Choose::Picture => Some(PathBuf::from(self.share.path.trim())),
+                    Choose::Files | Choose::Folder => self.remembered.recent.first().cloned(),
+                };
+                self.dialogs.show(ctx, what, add, at);
+            }
+            Request::StopFile(file) => {
+                if let Some(loading) = &mut self.scene.loading {
+                    loading.stop_file(file);
+                }
+            }
+            Request::StopReading => self.scene.stop_reading(),
+            Request::CloseFile(file) => {
+                let files = self.scene.facts().map_or(0, |facts| facts.files.len());
+                panels::files::forget_file(&mut self.settings.look.filter, files, file);
+                self.scene.close_file(ctx, file);
+            }
+            Request::ForgetRecent => self.remembered.recent.clear(),
+            Request::Screenshot(options) => self.begin_shot(options),
+            Request::StopScreenshot => self.scene.shot = None,
+            Request::ClearMessages => self.messages.clear(),
         }
+    }
+
+    fn begin_shot(&mut self, options: ShotOptions) {
+        if self.scene.navigation.is_some() && self.writing.is_none() && !options.path.as_os_str().is_empty() {
+            self.scene.shot = Some(options);
+        }
+    }
+
+    /// Takes the picture that was asked for, once it is ready, and tells where it is, once it is written.
+    fn go_on_with_shot(&mut self, ctx: &Context) {
+        if let Some((options, picture)) = self.scene.take_shot(&self.settings) {
+            match picture {
+                Ok(picture) => self.writing = Some(Writing::start(ctx, &options, picture)),
+                Err(error) => self.messages.add(Severity::Error, scene_state::sentence(&error)),
+            }
+            ctx.request_repaint();
+        }
+        let Some(result) = self.writing.as_ref().and_then(Writing::answer) else { return };
+        self.writing = None;
+        match result {
+            Ok(path) => {
+                log::debug!("picture written to {}", path.display());
+                self.messages.add(Severity::Note, format!("The picture is in {}", path.display()));
+            }
+            Err(error) => self.messages.add(Severity::Error, scene_state::sentence(&error)),
+        }
+    }
+
+    fn take_dialog(&mut self, ctx: &Context) {
+        match self.dialogs.answer() {
+            None => {}
+            Some(Chosen::Files { inputs, add }) => self.scene.open(ctx, inputs, add),
+            Some(Chosen::Picture(path)) => {
+                self.share.path = path.display().to_string();
+                self.share.may_replace = true;
+            }
+            Some(Chosen::NoDialog(why)) => self.messages.add(Severity::Error, why),
+        }
+    }
+
+    /// Keys of the window itself; those of the picture are `input`'s.
+    fn window_keys(&mut self, ctx: &Context) -> Vec<Request> {
+        let ctrl_shift = Modifiers::COMMAND | Modifiers::SHIFT;
+        let mut requests = Vec::new();
+        ctx.input_mut(|i| {
+            let add = self.typed.add;
+            if i.consume_key(ctrl_shift, Key::O) {
+                requests.push(Request::Choose { what: Choose::Folder, add });
+            }
+            if i.consume_key(Modifiers::COMMAND, Key::O) {
+                requests.push(Request::Choose { what: Choose::Files, add });
+            }
+            if i.consume_key(Modifiers::COMMAND, Key::S) {
+                requests.push(Request::Screenshot(self.share.options()));
+            }
+            if i.consume_key(Modifiers::NONE, Key::F6) {
+                self.settings.panel = true;
+                self.typed.focus = true;
+            }
+        });
+        requests
     }
 
     fn status(&self) -> Option<Status> {
@@ -83,6 +222,9 @@ impl App {
             [first, rest @ ..] => format!("{} and {} more", scene_state::name(&first.path), rest.len()),
         };
         let fill = self.scene.fill_budget();
+        let points_tried = self.scene.last_report.map_or(0, |report| report.points_tried);
+        let to_try = progressive.points_stored().saturating_sub(points_tried);
+        let per_frame = progressive.fill_points(fill);
         Some(Status {
             files,
             kind: scene.files.first().map(|file| file.kind.clone()).unwrap_or_default(),
@@ -92,11 +234,13 @@ impl App {
             points_total: scene.points_in_header(),
             points_per_sec: loading.rate(),
             loading_secs: loading.elapsed().as_secs_f64(),
-            fill: progressive.fill_points(fill),
+            secs_to_go: loading.secs_to_go(),
+            fill: per_frame,
             fill_is_fixed: matches!(fill, FillBudget::Fixed(_)),
             device_secs: progressive.last_pass_times().map(|times| times.total()),
             window_secs: self.pace.secs,
-            points_tried: self.scene.last_report.map_or(0, |report| report.points_tried),
+            points_tried,
+            secs_to_picture: (per_frame > 0).then(|| to_try as f64 / f64::from(per_frame) * self.pace.secs),
             averages: self.averages(),
             adapter: info.adapter.clone(),
             choice: info.choice.clone(),
@@ -113,6 +257,28 @@ impl App {
         }
     }
 
+    /// The panel at the right; what is left of the window is the picture's.
+    fn show_panel(&mut self, ui: &mut Ui) -> Vec<Request> {
+        let mut requests = Vec::new();
+        if !self.settings.panel || !panels::fits(ui.ctx()) {
+            return requests;
+        }
+        if self.settings.sections.contains(&Section::Performance) {
+            models::measure(&mut self.performance, &self.scene, &self.device, Instant::now());
+        }
+        let files = models::files(&self.scene, &self.remembered.recent, self.on_wayland);
+        models::share(&mut self.share, &self.scene, self.size, self.writing.is_some());
+        let mut model = panels::Model {
+            files: &files,
+            performance: &self.performance,
+            share: &mut self.share,
+            messages: &self.messages,
+            typed: &mut self.typed,
+        };
+        panels::side(ui, &mut self.settings, &mut model, &mut requests);
+        requests
+    }
+
     /// What lies over the picture, which takes `rect` of the window.
     fn show_overlay(&mut self, ui: &Ui, rect: Rect) -> Option<StandardView> {
         let mut asked = None;
@@ -125,15 +291,20 @@ impl App {
             asked = overlay::bar(ui.ctx(), rect, &status, &mut self.settings);
         }
         if self.scene.loading.is_none() {
-            let waiting_for = self.scene.incoming.as_ref().and_then(|(_, inputs)| inputs.first());
-            overlay::invitation(ui, rect, waiting_for.map(|path| scene_state::name(path)).as_deref());
+            let waiting_for = self.scene.incoming.as_ref().and_then(|incoming| incoming.inputs.first());
+            let waiting_for = waiting_for.map(|path| scene_state::name(path));
+            let background = self.settings.look.shading.background;
+            overlay::invitation(ui, rect, waiting_for.as_deref(), background, self.on_wayland);
         }
         if self.settings.help {
-            overlay::help(ui.ctx(), &mut self.settings);
+            help::show(ui.ctx(), &mut self.settings);
         }
-        self.messages.show(ui.ctx());
+        if self.scene.shot.is_some() {
+            overlay::taking_picture(ui.ctx(), rect, self.share.taking);
+        }
+        self.messages.show(ui.ctx(), rect);
         if ui.input(|i| !i.raw.hovered_files.is_empty()) {
-            overlay::drop_target(ui.ctx());
+            overlay::drop_target(ui.ctx(), self.typed.add);
         }
         asked
     }
@@ -149,15 +320,36 @@ impl App {
         match again {
             Ok(Some(time)) => ctx.request_repaint_after(time),
             Ok(None) => {}
-            // The next frame's error is the one to show.
-            Err(error) => log::error!("{error}"),
+            Err(error) => self.messages.add(Severity::Error, scene_state::sentence(&error.to_string())),
         }
     }
 
     fn paint(&mut self, ui: &Ui, rect: Rect) {
         if let Some((picture, size)) = self.scene.picture() {
-            let callback = self.blit.paint(rect, picture, size, Shading::default().background);
+            let callback = self.blit.paint(rect, picture, size, self.settings.look.shading.background);
             ui.painter().add(callback);
+        }
+    }
+
+    /// Keeps what has changed, once nothing moves.
+    fn remember(&mut self, ctx: &Context) {
+        if ctx.input(|i| i.pointer.any_down()) {
+            return;
+        }
+        self.settings.note(&mut self.remembered);
+        let (size, is_large) = ctx.input(|i| {
+            let viewport = i.viewport();
+            (
+                viewport.inner_rect.map(|rect| rect.size()),
+                viewport.maximized == Some(true) || viewport.fullscreen == Some(true),
+            )
+        });
+        if let Some(size) = size.filter(|size| !is_large && size.x >= 160.0 && size.y >= 160.0) {
+            self.remembered.window = [size.x.round(), size.y.round()];
+        }
+        if let Err(error) = self.store.save(&self.remembered) {
+            self.messages.add(Severity::Error, error);
+            ctx.request_repaint();
         }
     }
 }
@@ -173,26 +365,48 @@ impl eframe::App for App {
         }
     }
 
+    /// Tab is the panel's key as long as no control has the keyboard: it would give it to the first one.
+    fn raw_input_hook(&mut self, ctx: &Context, raw: &mut egui::RawInput) {
+        if ctx.memory(|memory| memory.focused()).is_some() {
+            return;
+        }
+        let is_tab =
+            |event: &Event| matches!(event, Event::Key { key: Key::Tab, modifiers, .. } if modifiers.is_none());
+        let pressed = |event: &Event| is_tab(event) && matches!(event, Event::Key { pressed: true, repeat: false, .. });
+        if raw.events.iter().any(pressed) {
+            self.settings.panel ^= true;
+        }
+        raw.events.retain(|event| !is_tab(event));
+    }
+
     fn ui(&mut self, ui: &mut Ui, _: &mut eframe::Frame) {
         self.pace.begin();
         let ctx = ui.ctx().clone();
-        let rect = ui.max_rect();
-        self.size = [rect.width(), rect.height()].map(|side| (side * ctx.pixels_per_point()).round() as u32);
+        let before = self.settings.clone();
 
+        let mut requests = self.window_keys(&ctx);
+        let add = self.typed.add;
         let dropped: Vec<PathBuf> = ctx.input(|i| i.raw.dropped_files.iter().map(|f| f.path().to_owned()).collect());
         if !dropped.is_empty() {
-            self.scene.open(&ctx, dropped);
+            requests.push(Request::Open { inputs: dropped, add });
         }
+        self.take_dialog(&ctx);
+        requests.extend(self.show_panel(ui));
+        let obeyed = !requests.is_empty();
+        for request in requests {
+            self.obey(&ctx, request);
+        }
+        let rect = ui.available_rect_before_wrap();
+        self.size = [rect.width(), rect.height()].map(|side| (side * ctx.pixels_per_point()).round() as u32);
         self.take_incoming(&ctx);
 
         let picture = ui.interact(rect, Id::unique("picture"), Sense::click_and_drag());
-        let before = self.settings.clone();
-        let mut moving = self.touch.steer(&ctx, &picture, self.size, &mut self.scene, &mut self.settings);
-        moving |= self.settings != before;
+        let moving = self.touch.steer(&ctx, &picture, self.size, &mut self.scene, &mut self.settings);
 
         // Nobody will see the frame after the last.
         let closing = ctx.input(|i| i.viewport().close_requested());
         let mut again = !closing && (self.advance() || moving);
+        self.go_on_with_shot(&ctx);
         if !closing && !again {
             self.measure_at_rest(&ctx);
         }
@@ -200,30 +414,44 @@ impl eframe::App for App {
         self.touch.feel(&ctx, &picture, &mut self.scene);
 
         // Last, so that the numbers are those of the picture; what it changes is for the next frame.
-        let before = self.settings.clone();
         let mut commands = self.touch.show(ui, &picture, &self.scene, &mut self.settings);
         commands.extend(self.show_overlay(ui, rect).map(Command::Show));
         for command in commands {
             self.touch.obey(&ctx, command, &mut self.scene, &mut self.settings);
             again = true;
         }
-        again |= self.settings != before;
+        again |= obeyed || self.settings != before;
+        if self.settings.theme != before.theme {
+            ctx.set_theme(self.settings.theme.preference());
+        }
 
         if again {
             ctx.request_repaint();
-        } else if self.scene.loading.as_ref().is_some_and(Loading::is_running) {
-            ctx.request_repaint_after(STATUS_INTERVAL);
+        } else {
+            self.remember(&ctx);
+            if self.scene.loading.as_ref().is_some_and(Loading::is_running) {
+                ctx.request_repaint_after(STATUS_INTERVAL);
+            }
         }
         self.pace.end(again);
     }
 
     fn on_exit(&mut self) {
+        self.settings.note(&mut self.remembered);
+        if let Err(error) = self.store.save(&self.remembered) {
+            log::error!("{error}");
+        }
         // The decoders end while the GPU finishes what it was given.
         self.scene.close();
     }
 
+    /// What egui itself would keep is of no use without the controls that it belongs to.
+    fn persist_egui_memory(&self) -> bool {
+        false
+    }
+
     fn clear_color(&self, _: &egui::Visuals) -> [f32; 4] {
-        let [r, g, b] = Shading::default().background;
+        let [r, g, b] = self.settings.look.shading.background;
         Color32::from_rgb(r, g, b).to_normalized_gamma_f32()
     }
 }

@@ -24,6 +24,18 @@ pub fn duration(secs: f64) -> String {
     }
 }
 
+/// e.g. "512 B", "3.00 MiB", "1.50 GiB".
+pub fn bytes(n: u64) -> String {
+    for (shift, unit) in [(30, "GiB"), (20, "MiB"), (10, "KiB")] {
+        if n >= 1 << shift {
+            let value = n as f64 / (1_u64 << shift) as f64;
+            let digits = if value < 9.995 { 2 } else { usize::from(value < 99.95) };
+            return format!("{value:.digits$} {unit}");
+        }
+    }
+    format!("{n} B")
+}
+
 /// Rounded down, so that only all of it is 100 %.
 pub fn percent(part: u64, whole: u64) -> String {
     if whole == 0 {
@@ -50,6 +62,15 @@ mod tests {
         ];
         for (n, text) in expected {
             assert_eq!(count(n), text);
+        }
+    }
+
+    #[test]
+    fn sizes_in_bytes() {
+        for (n, text) in
+            [(0, "0 B"), (1023, "1023 B"), (1536, "1.50 KiB"), (3 << 20, "3.00 MiB"), (80 << 30, "80.0 GiB")]
+        {
+            assert_eq!(bytes(n), text);
         }
     }
 

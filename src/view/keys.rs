@@ -45,16 +45,21 @@ pub enum Section {
     Move,
     Inspect,
     Show,
+    Files,
+    Window,
 }
 
 impl Section {
-    pub const ALL: [Section; 3] = [Section::Move, Section::Inspect, Section::Show];
+    pub const ALL: [Section; 5] =
+        [Section::Move, Section::Inspect, Section::Show, Section::Files, Section::Window];
 
     pub fn title(self) -> &'static str {
         match self {
             Section::Move => "Move",
             Section::Inspect => "Inspect",
-            Section::Show => "Show",
+            Section::Show => "Look",
+            Section::Files => "Files and pictures",
+            Section::Window => "Window",
         }
     }
 }
@@ -122,8 +127,8 @@ const fn row(section: Section, keys: &'static str, what: &'static str, presses: 
 /// All of it. Rows without presses are the mouse's, and of keys that are held.
 pub const ROWS: &[Row] = &[
     row(Section::Move, "Left drag", "orbit around what is under the cursor", &[]),
-    row(Section::Move, "Right or middle drag, Shift + left", "pan: the grabbed point follows", &[]),
-    row(Section::Move, "Ctrl + left drag", "look around", &[]),
+    row(Section::Move, "Right or middle drag, Shift+left", "pan: the grabbed point follows", &[]),
+    row(Section::Move, "Ctrl+left drag", "look around", &[]),
     row(Section::Move, "Wheel, pinch, Page Up, Page Down", "zoom to the cursor", &[]),
     row(Section::Move, "Double click, C", "what is there comes to the middle", &[(plain(Key::C), Command::Center)]),
     row(Section::Move, "W A S D, Q E", "fly forward, left, back, right, down, up", &[]),
@@ -165,19 +170,19 @@ pub const ROWS: &[Row] = &[
     row(Section::Move, "5", "isometric", &[(plain(Key::Num5), Command::Show(StandardView::Isometric))]),
     row(
         Section::Move,
-        "Ctrl + Z, Ctrl + Y",
+        "Ctrl+Z, Ctrl+Y",
         "undo a camera move, and redo it",
         &[(ctrl(Key::Z), Command::Undo), (ctrl(Key::Y), Command::Redo), (ctrl_shift(Key::Z), Command::Redo)],
     ),
     row(Section::Move, "K", "keep this view as a bookmark", &[(plain(Key::K), Command::AddBookmark)]),
-    row(Section::Move, "Ctrl + 1 … 9", "go to a bookmark", &bookmarks::<false>()),
-    row(Section::Move, "Ctrl + Shift + 1 … 9", "set a bookmark to this view", &bookmarks::<true>()),
+    row(Section::Move, "Ctrl+1 … 9", "go to a bookmark", &bookmarks::<false>()),
+    row(Section::Move, "Ctrl+Shift+1 … 9", "set a bookmark to this view", &bookmarks::<true>()),
     row(Section::Inspect, "I", "inspect: a click pins a card", &[(plain(Key::I), Command::Take(Tool::Inspect))]),
     row(Section::Inspect, "M", "measure a distance", &[(plain(Key::M), Command::Take(Tool::Distance))]),
     row(Section::Inspect, "P", "measure along a line of points", &[(plain(Key::P), Command::Take(Tool::Polyline))]),
     row(
         Section::Inspect,
-        "X, Shift + X",
+        "X, Shift+X",
         "clipping box, slab",
         &[(plain(Key::X), Command::Take(Tool::Box)), (shift(Key::X), Command::Take(Tool::Slab))],
     ),
@@ -194,7 +199,7 @@ pub const ROWS: &[Row] = &[
         &[(plain(Key::Backspace), Command::Remove), (plain(Key::Delete), Command::Remove)],
     ),
     // The system's word for it, which other programs' keys give as well, comes as an event of its own.
-    row(Section::Inspect, "Ctrl + C", "copy the last card or measurement", &[]),
+    row(Section::Inspect, "Ctrl+C", "copy the last card or measurement", &[]),
     row(
         Section::Show,
         "[ ]  or  - =",
@@ -209,20 +214,35 @@ pub const ROWS: &[Row] = &[
     ),
     row(Section::Show, "L", "eye-dome lighting on or off", &[(plain(Key::L), Command::ToggleLighting)]),
     row(Section::Show, "B", "high quality (blends near points) on or off", &[(plain(Key::B), Command::ToggleQuality)]),
-    row(Section::Show, "O", "the bar on or off", &[(plain(Key::O), Command::ToggleBar)]),
+    row(Section::Files, "Ctrl+O", "open files", &[]),
+    row(Section::Files, "Ctrl+Shift+O", "open a folder", &[]),
+    row(Section::Files, "Drop files or folders", "open them instead, or besides if Add is ticked", &[]),
+    row(Section::Files, "Ctrl+S", "save the picture", &[]),
+    row(Section::Files, "Ctrl+Shift+C", "copy the command that makes this picture", &[]),
+    row(Section::Window, "Tab", "panel on or off", &[]),
+    row(Section::Window, "F6", "keyboard to the panel: then Tab, arrows, Space, Enter", &[]),
     row(
-        Section::Show,
+        Section::Window,
+        "Esc",
+        "put away what is on top; keyboard back to the picture",
+        &[(plain(Key::Escape), Command::Close)],
+    ),
+    row(Section::Window, "O", "status lines and tools on or off", &[(plain(Key::O), Command::ToggleBar)]),
+    row(
+        Section::Window,
         "F1, ?",
         "this help",
         &[(plain(Key::F1), Command::ToggleHelp), (sign(Key::Questionmark), Command::ToggleHelp)],
     ),
-    row(Section::Show, "Esc", "put away what is on top", &[(plain(Key::Escape), Command::Close)]),
-    row(Section::Show, "Drop files or folders", "open them instead", &[]),
 ];
 
 /// What the keys that were pressed since the last frame ask for, in order.
 pub fn pressed(ctx: &Context) -> Vec<Command> {
-    ctx.input(|i| i.events.iter().filter_map(command_of).collect())
+    ctx.input(|i| {
+        // Ctrl+Shift+C is told as copying as well, but is for the whole view.
+        let is_other_copy = |event: &&Event| **event == Event::Copy && i.modifiers.shift;
+        i.events.iter().filter(|event| !is_other_copy(event)).filter_map(command_of).collect()
+    })
 }
 
 fn command_of(event: &Event) -> Option<Command> {
@@ -247,10 +267,10 @@ pub fn of(command: Command) -> Option<String> {
     let (press, _) = presses().find(|(_, other)| *other == command)?;
     let mut name = String::new();
     if press.command {
-        name += "Ctrl + ";
+        name += "Ctrl+";
     }
     if press.shift == Some(true) {
-        name += "Shift + ";
+        name += "Shift+";
     }
     Some(name + press.key.symbol_or_name())
 }
@@ -318,8 +338,8 @@ mod tests {
         assert_eq!(event(Key::Questionmark, Modifiers::SHIFT, false), Some(Command::ToggleHelp));
         assert_eq!(event(Key::L, Modifiers::NONE, true), None, "held, it would flicker");
         assert_eq!(command_of(&Event::Copy), Some(Command::Copy));
-        assert_eq!(of(Command::Redo).as_deref(), Some("Ctrl + Y"));
-        assert_eq!(of(Command::Take(Tool::Slab)).as_deref(), Some("Shift + X"));
+        assert_eq!(of(Command::Redo).as_deref(), Some("Ctrl+Y"));
+        assert_eq!(of(Command::Take(Tool::Slab)).as_deref(), Some("Shift+X"));
         assert_eq!(of(Command::Copy), None);
     }
 }

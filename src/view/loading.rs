@@ -1,7 +1,7 @@
 //! From the decoders' channel into the store, a few milliseconds per frame; and how far that is.
 
 use std::{
-    collections::VecDeque,
+    collections::{BTreeSet, VecDeque},
     path::PathBuf,
     sync::Arc,
     time::{Duration, Instant},
@@ -12,7 +12,7 @@ use crossbeam_channel::TryRecvError;
 use crate::{
     render::{Backend, Progressive},
     scene::SceneFacts,
-    source::{self, Event, OpenOptions, SourceReport, Stream},
+    source::{self, Event, OpenOptions, SourceReport, Stream, ThreadTimes},
 };
 
 /// Speed is shown as an average over this long.
@@ -30,6 +30,12 @@ pub struct Loading {
     ended: Option<Instant>,
     /// Points read at times of the last second.
     recent: VecDeque<(Instant, u64)>,
+    /// Points read of each file.
+    read_by_file: Vec<u64>,
+    /// Files that the user has stopped.
+    stopped: BTreeSet<usize>,
+    /// Once all is read.
+    report: Option<SourceReport>,
 }
 
 /// What [`Loading::take_first`] found.
@@ -66,6 +72,9 @@ impl Loading {
             started: Instant::now(),
             ended: None,
             recent: VecDeque::new(),
+            read_by_file: Vec::new(),
+            stopped: BTreeSet::new(),
+            report: None,
         }
     }
 
@@ -74,6 +83,7 @@ impl Loading {
         let Some(stream) = &self.stream else { return First::Nothing };
         match stream.events().try_recv() {
             Ok(Event::Opened(scene)) => {
+                self.read_by_file = vec![0; scene.files.len()];
                 self.scene = Some(scene.clone());
                 First::Opened(scene)
             }
@@ -101,9 +111,15 @@ impl Loading {
             match stream.events().try_recv() {
                 Ok(Event::Batch(batch)) => {
                     self.points_read += batch.len() as u64;
+                    if let Some(read) = self.read_by_file.get_mut(batch.file as usize) {
+                        *read += batch.len() as u64;
+                    }
                     store.offer(batch);
                 }
-                Ok(Event::Finished(report)) => break Some(End::Finished(report)),
+                Ok(Event::Finished(report)) => {
+                    self.report = Some(report.clone());
+                    break Some(End::Finished(report));
+                }
                 Ok(Event::Failed(error)) => break Some(End::Failed(error.to_string())),
                 Ok(Event::Opened(_)) => {}
                 Err(TryRecvError::Empty) => {
@@ -128,6 +144,50 @@ impl Loading {
     pub fn stop(&mut self) {
         self.stream = None;
         self.ended.get_or_insert_with(Instant::now);
+    }
+
+    /// Stops reading one file.
+    pub fn stop_file(&mut self, file: usize) {
+        if let Some(stream) = &self.stream {
+            stream.cancel_file(file);
+            self.stopped.insert(file);
+        }
+    }
+
+    /// The user has stopped this file, or all of them.
+    pub fn is_stopped(&self, file: usize) -> bool {
+        self.stopped.contains(&file) || (self.stream.is_none() && self.report.is_none())
+    }
+
+    pub fn points_read_of(&self, file: usize) -> u64 {
+        self.read_by_file.get(file).copied().unwrap_or(0)
+    }
+
+    /// What came of it, once all is read.
+    pub fn report(&self) -> Option<&SourceReport> {
+        self.report.as_ref()
+    }
+
+    /// Events that wait for the window, and for how many there is room; `None` once the channel is closed.
+    pub fn channel(&self) -> Option<[usize; 2]> {
+        let events = self.stream.as_ref()?.events();
+        Some([events.len(), events.capacity().unwrap_or(usize::MAX)])
+    }
+
+    /// What the decoder threads did until now, or in all.
+    pub fn thread_times(&self) -> Vec<ThreadTimes> {
+        match (&self.stream, &self.report) {
+            (Some(stream), _) => stream.thread_times(),
+            (None, Some(report)) => report.threads.clone(),
+            (None, None) => Vec::new(),
+        }
+    }
+
+    /// Until all is read, at the speed of the last second; `None` where that says nothing yet.
+    pub fn secs_to_go(&self) -> Option<f64> {
+        let left = self.scene()?.points_in_header().saturating_sub(self.points_read);
+        let rate = self.rate();
+        (self.is_running() && rate > 0.0 && self.elapsed() > RATE_WINDOW).then(|| left as f64 / rate)
     }
 
     pub fn is_running(&self) -> bool {

@@ -1,9 +1,10 @@
-//! What went wrong, in plain words, until the user puts it away.
+//! What went wrong, in plain words. It appears over the picture until the user puts it away, and stays in a list until
+//! that is cleared.
 
 use std::collections::VecDeque;
 
 use eframe::egui::{
-    self, Area, Color32, FontId, Frame, Id, Margin, Order, TextFormat,
+    self, Area, Color32, FontId, Frame, Id, Margin, Order, Rect, Role, TextFormat, WidgetInfo,
     text::{LayoutJob, TextWrapping},
     vec2,
 };
@@ -25,9 +26,17 @@ pub enum Severity {
     Error,
 }
 
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct Entry {
+    severity: Severity,
+    text: String,
+    /// Over the picture as well.
+    shown: bool,
+}
+
 #[derive(Debug, Default)]
 pub struct Messages {
-    entries: VecDeque<(Severity, String)>,
+    entries: VecDeque<Entry>,
 }
 
 impl Messages {
@@ -35,14 +44,28 @@ impl Messages {
         self.entries.clear();
     }
 
-    /// Errors go before notes. What is shown already is not repeated.
+    pub fn len(&self) -> usize {
+        self.entries.len()
+    }
+
+    /// Errors first.
+    pub fn iter(&self) -> impl Iterator<Item = (Severity, &str)> {
+        self.entries.iter().map(|entry| (entry.severity, entry.text.as_str()))
+    }
+
+    /// One line each.
+    pub fn to_text(&self) -> String {
+        self.iter().map(|(severity, text)| format!("{}: {text}\n", severity.name())).collect()
+    }
+
+    /// Errors go before notes. What is in the list already is not repeated.
     pub fn add(&mut self, severity: Severity, text: impl Into<String>) {
-        let entry = (severity, text.into());
+        let entry = Entry { severity, text: text.into(), shown: true };
         match severity {
-            Severity::Error => log::error!("{}", entry.1),
-            Severity::Note => log::warn!("{}", entry.1),
+            Severity::Error => log::error!("{}", entry.text),
+            Severity::Note => log::warn!("{}", entry.text),
         }
-        if self.entries.contains(&entry) {
+        if self.entries.iter().any(|known| (known.severity, &known.text) == (severity, &entry.text)) {
             return;
         }
         match severity {
@@ -65,31 +88,37 @@ impl Messages {
         }
     }
 
-    /// In the upper left corner, each with a button that puts it away.
-    pub fn show(&mut self, ctx: &egui::Context) {
-        if self.entries.is_empty() {
+    /// In the upper left corner of the picture, each with a button that puts it away.
+    pub fn show(&mut self, ctx: &egui::Context, screen: Rect) {
+        let waiting = self.entries.iter().filter(|entry| entry.shown).count();
+        if waiting == 0 {
             return;
         }
-        let screen = ctx.content_rect();
         let width = (screen.width() - 80.0).clamp(60.0, 640.0);
         // At most half of the window, if all of them are long.
-        let shown = ((screen.height() * 0.5 / HEIGHT) as usize).clamp(1, SHOWN);
+        let most = ((screen.height() * 0.5 / HEIGHT) as usize).clamp(1, SHOWN);
         let corner = screen.min + vec2(10.0, 10.0);
         let area = Area::new(Id::unique("messages")).order(Order::Foreground).fixed_pos(corner).constrain(false);
         area.show(ctx, |ui| {
-            let mut dismissed = None;
-            for (at, (severity, text)) in self.entries.iter().take(shown).enumerate() {
-                if message(ui, *severity, text, width) {
-                    dismissed = Some(at);
+            for entry in self.entries.iter_mut().filter(|entry| entry.shown).take(most) {
+                entry.shown = !message(ui, entry.severity, &entry.text, width);
+            }
+            let more = waiting.saturating_sub(most);
+            if more > 0 && message(ui, Severity::Note, &format!("and {more} more; put all of them away"), width) {
+                for entry in &mut self.entries {
+                    entry.shown = false;
                 }
             }
-            let more = self.entries.len().saturating_sub(shown);
-            if more > 0 && message(ui, Severity::Note, &format!("and {more} more; put all of them away"), width) {
-                self.entries.clear();
-            } else if let Some(at) = dismissed {
-                self.entries.remove(at);
-            }
         });
+    }
+}
+
+impl Severity {
+    fn name(self) -> &'static str {
+        match self {
+            Severity::Note => "note",
+            Severity::Error => "error",
+        }
     }
 }
 
@@ -101,7 +130,8 @@ fn message(ui: &mut egui::Ui, severity: Severity, text: &str, width: f32) -> boo
     };
     let frame = Frame::new().fill(fill).stroke((1.0, mark)).corner_radius(4).inner_margin(Margin::symmetric(8, 5));
     let contents = |ui: &mut egui::Ui| {
-        let dismissed = ui.small_button("×").on_hover_text("Put away").clicked();
+        let button = ui.small_button("×").on_hover_text("Put away; it stays under Messages");
+        button.widget_info(|| WidgetInfo::labeled(Role::Button, true, "Put away"));
         let format = TextFormat::simple(FontId::proportional(13.0), Color32::WHITE);
         let mut job = LayoutJob::single_section(text.to_owned(), format);
         job.wrap = TextWrapping { max_width: width, max_rows: ROWS, ..Default::default() };
@@ -111,7 +141,7 @@ fn message(ui: &mut egui::Ui, severity: Severity, text: &str, width: f32) -> boo
         if elided {
             label.on_hover_text(text);
         }
-        dismissed
+        button.clicked()
     };
     frame.show(ui, |ui| ui.horizontal_top(contents).inner).inner
 }
@@ -131,11 +161,12 @@ mod tests {
         messages.add(Severity::Note, "odd");
         messages.add(Severity::Error, "broken");
         messages.add(Severity::Note, "odd");
-        let texts: Vec<&str> = messages.entries.iter().map(|(_, text)| text.as_str()).collect();
+        let texts: Vec<&str> = messages.iter().map(|(_, text)| text).collect();
         assert_eq!(texts, ["broken", "odd"]);
+        assert_eq!(messages.to_text(), "error: broken\nnote: odd\n");
         for i in 0..2 * KEPT {
             messages.add(Severity::Error, i.to_string());
         }
-        assert_eq!(messages.entries.len(), KEPT);
+        assert_eq!(messages.len(), KEPT);
     }
 }

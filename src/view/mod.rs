@@ -6,16 +6,23 @@
 
 mod app;
 mod blit;
+mod dialogs;
 mod format;
+mod help;
 mod input;
 mod keys;
 mod loading;
 mod messages;
+mod models;
 mod navigation;
 mod overlay;
 mod pace;
+mod panels;
 mod probe;
+mod remembered;
+mod requests;
 mod scene_state;
+mod screenshot;
 mod settings;
 mod tools;
 mod touch;
@@ -23,6 +30,9 @@ mod touch;
 use std::{path::PathBuf, sync::Arc};
 
 use eframe::egui_wgpu::{SurfaceConfig, WgpuConfiguration, WgpuError, WgpuSetup, WgpuSetupCreateNew};
+
+pub use remembered::SETTINGS_VARIABLE;
+use remembered::Store;
 
 use crate::render::{GpuBackend, Look, RasterChoice, RenderError};
 
@@ -33,6 +43,10 @@ pub struct Options {
     pub inputs: Vec<PathBuf>,
     pub method: RasterChoice,
     pub look: Look,
+    /// Fields of `look` that the user has given, as JSON pointers: others may be as they were remembered.
+    pub given: Vec<&'static str>,
+    /// Where settings are remembered; `None`: nowhere.
+    pub settings: Option<PathBuf>,
     pub seed: u64,
     /// Points to try per frame; by default as many as the frame time allows.
     pub fill: Option<u32>,
@@ -59,8 +73,20 @@ pub fn has_display() -> bool {
     ["DISPLAY", "WAYLAND_DISPLAY"].iter().any(|name| std::env::var_os(name).is_some_and(|value| !value.is_empty()))
 }
 
+/// Where settings are remembered on this platform, or where [`SETTINGS_VARIABLE`] says; `None`: nowhere.
+pub fn settings_place() -> Option<PathBuf> {
+    remembered::place()
+}
+
+/// Whether winit will choose Wayland.
+fn is_on_wayland() -> bool {
+    let is_set = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+    cfg!(all(unix, not(target_os = "macos"))) && (is_set("WAYLAND_DISPLAY") || is_set("WAYLAND_SOCKET"))
+}
+
 /// Opens the window and returns when it is closed.
 pub fn run(options: Options) -> Result<(), ViewError> {
+    let (store, remembered) = Store::open(options.settings.clone());
     let setup = WgpuSetupCreateNew {
         device_descriptor: Arc::new(GpuBackend::device_descriptor),
         ..WgpuSetupCreateNew::without_display_handle()
@@ -69,7 +95,7 @@ pub fn run(options: Options) -> Result<(), ViewError> {
         viewport: eframe::egui::ViewportBuilder::default()
             .with_title("firstlight")
             .with_app_id("firstlight")
-            .with_inner_size([1280.0, 800.0])
+            .with_inner_size(remembered.window)
             .with_icon(eframe::egui::IconData::default())
             .with_drag_and_drop(true),
         renderer: eframe::Renderer::Wgpu,
@@ -85,7 +111,7 @@ pub fn run(options: Options) -> Result<(), ViewError> {
     };
     let create = move |cc: &eframe::CreationContext<'_>| {
         let state = cc.wgpu_render_state.as_ref().ok_or("eframe was built without wgpu")?;
-        let app = app::App::new(&cc.egui_ctx, state, options)?;
+        let app = app::App::new(&cc.egui_ctx, state, options, store, remembered)?;
         Ok(Box::new(app) as Box<dyn eframe::App>)
     };
     eframe::run_native("firstlight", native, Box::new(create)).map_err(ViewError::from)

@@ -2,24 +2,21 @@
 
 use eframe::egui::{
     self, Align, Align2, Area, Button, Color32, CornerRadius, FontId, Frame, Id, Label, Layout, Margin, Order, Rect,
-    RichText, Sense, Slider, Ui, vec2,
+    RichText, Slider, Ui, vec2,
 };
 
 use super::{
     format::{count, duration, percent},
-    keys,
-    navigation::StandardView,
-    settings::Settings,
+    settings::{Ask, Settings},
 };
 use crate::render::{Choice, Clock};
 
 /// Sizes of points that the controls offer.
 pub const POINT_SIZES: std::ops::RangeInclusive<u32> = 1..=8;
 
-const TEXT: Color32 = Color32::from_rgb(226, 230, 236);
-const DIM: Color32 = Color32::from_rgb(150, 160, 172);
+/// Share of the picture that the lines at the edge let through, of 255.
+const PANEL_ALPHA: u8 = 218;
 const ACCENT: Color32 = Color32::from_rgb(106, 182, 255);
-const PANEL: Color32 = Color32::from_rgba_premultiplied(13, 15, 19, 218);
 const LINE_HEIGHT: f32 = 20.0;
 /// Two lines, the space between them and around them.
 const BAR_HEIGHT: f32 = 2.0 * LINE_HEIGHT + 3.0 + 10.0;
@@ -39,6 +36,8 @@ pub struct Status {
     pub points_total: u64,
     pub points_per_sec: f64,
     pub loading_secs: f64,
+    /// Until all is read.
+    pub secs_to_go: Option<f64>,
     /// Points tried per frame.
     pub fill: u32,
     pub fill_is_fixed: bool,
@@ -46,7 +45,10 @@ pub struct Status {
     pub device_secs: Option<f64>,
     /// From window frame to window frame, while they follow each other.
     pub window_secs: f64,
+    /// Since the camera moved.
     pub points_tried: u64,
+    /// Until all that is stored has been tried.
+    pub secs_to_picture: Option<f64>,
     pub averages: Averages,
     pub adapter: String,
     /// Which method draws, and the figures behind it.
@@ -75,7 +77,7 @@ pub fn bar(ctx: &egui::Context, screen: Rect, status: &Status, settings: &mut Se
     let mut asked = None;
     let corner = screen.left_bottom() - vec2(0.0, BAR_HEIGHT);
     Area::new(Id::unique("status")).order(Order::Foreground).fixed_pos(corner).constrain(false).show(ctx, |ui| {
-        Frame::new().fill(PANEL).inner_margin(Margin::symmetric(10, 5)).show(ui, |ui| {
+        Frame::new().fill(panel_fill(ui)).inner_margin(Margin::symmetric(10, 5)).show(ui, |ui| {
             ui.set_width(screen.width() - 20.0);
             ui.set_height(BAR_HEIGHT - 10.0);
             ui.spacing_mut().item_spacing = vec2(8.0, 3.0);
@@ -101,20 +103,25 @@ fn line(ui: &mut Ui, contents: impl FnOnce(&mut Ui)) {
 }
 
 fn small(text: &str) -> RichText {
-    RichText::new(text).font(FontId::proportional(12.5)).color(TEXT)
+    RichText::new(text).font(FontId::proportional(12.5))
+}
+
+fn panel_fill(ui: &Ui) -> Color32 {
+    let [r, g, b, _] = ui.visuals().panel_fill.to_array();
+    Color32::from_rgba_unmultiplied(r, g, b, PANEL_ALPHA)
 }
 
 /// Who draws, with which method; why, and how fast the others are, when the mouse asks.
 fn device(ui: &mut Ui, s: &Status) {
     let method = s.choice.as_ref().map_or(String::new(), |choice| format!(" · {}", choice.candidate));
-    let label = ui.add(Label::new(small(&format!("{}{method}", s.adapter)).color(DIM)).truncate());
+    let label = ui.add(Label::new(small(&format!("{}{method}", s.adapter)).weak()).truncate());
     if let Some(choice) = &s.choice {
         label.on_hover_ui(|ui| choice_table(ui, choice));
     }
 }
 
 fn choice_table(ui: &mut Ui, choice: &Choice) {
-    ui.label(small(&format!("{}: {}", choice.candidate, choice.reason)).strong().color(Color32::WHITE));
+    ui.label(small(&format!("{}: {}", choice.candidate, choice.reason)).strong());
     let Some(measurement) = &choice.measurement else { return };
     let [width, height] = measurement.size_px;
     let clock = choice.candidates.iter().find_map(|row| row.speed).map_or("", |speed| match speed.clock {
@@ -127,33 +134,35 @@ fn choice_table(ui: &mut Ui, choice: &Choice) {
         measurement.point_size_px,
         duration(measurement.at_secs),
     );
-    ui.label(small(&text).color(DIM));
+    ui.label(small(&text).weak());
     egui::Grid::new("methods").num_columns(3).spacing(vec2(18.0, 2.0)).show(ui, |ui| {
         for heading in ["points/s", "overview", "far"] {
-            ui.label(small(heading).color(DIM));
+            ui.label(small(heading).weak());
         }
         ui.end_row();
         for row in choice.candidates.iter().filter(|row| row.speed.is_some()) {
-            let color = if row.candidate == choice.candidate { ACCENT } else { TEXT };
-            ui.label(small(&row.candidate.to_string()).color(color));
+            let marked =
+                |text: &str| if row.candidate == choice.candidate { small(text).strong() } else { small(text) };
+            ui.label(marked(&row.candidate.to_string()));
             for rate in row.speed.iter().flat_map(|s| [s.overview_points_per_sec, s.far_points_per_sec]) {
-                ui.label(small(&count(rate as u64)).color(color));
+                ui.label(marked(&count(rate as u64)));
             }
             ui.end_row();
         }
     });
     let left_out = choice.candidates.iter().filter(|row| row.speed.is_none()).count();
     if left_out > 0 {
-        ui.label(small(&format!("{left_out} more not measured")).color(DIM));
+        ui.label(small(&format!("{left_out} more not measured")).weak());
     }
 }
 
 fn loading_line(ui: &mut Ui, s: &Status) {
-    ui.add(Label::new(small(&s.files).strong().color(Color32::WHITE)).truncate());
+    ui.add(Label::new(small(&s.files).strong()).truncate());
     let read = percent(s.points_read, s.points_total);
     let mut text = format!("{} · {read} read · {} of {} points", s.kind, count(s.points_stored), count(s.points_total));
     text += &if s.loading {
-        format!(" · {} points/s", count(s.points_per_sec as u64))
+        let to_go = s.secs_to_go.map_or(String::new(), |secs| format!(" · {} to go", duration(secs)));
+        format!(" · {} points/s{to_go}", count(s.points_per_sec as u64))
     } else {
         format!(" · loaded in {} ({} points/s)", duration(s.loading_secs), count(s.points_per_sec as u64))
     };
@@ -169,8 +178,12 @@ fn frame_line(ui: &mut Ui, s: &Status) {
         Averages::AtRest(0) => " · HQ at rest".to_owned(),
         Averages::AtRest(points) => format!(" · HQ at rest {}", percent(points, s.points_stored)),
     };
+    let to_go = match s.secs_to_picture {
+        Some(secs) if secs >= 1.0 => format!(" · {} to go", duration(secs)),
+        _ => String::new(),
+    };
     let text = format!(
-        "{} of the points tried{averages} · fill {} per frame{fixed} · device {device} · window {}",
+        "{} tried since the last move{to_go}{averages} · fill {} per frame{fixed} · device {device} · window {}",
         percent(s.points_tried, s.points_stored),
         count(s.fill.into()),
         duration(s.window_secs),
@@ -200,6 +213,9 @@ fn controls(ui: &mut Ui, settings: &mut Settings) -> Option<StandardView> {
     if button(ui, "?", "Keys and mouse (F1)").clicked() {
         settings.help = !settings.help;
     }
+    if button(ui, "Panel", "Files, looks, pictures, performance, messages (Tab)").clicked() {
+        settings.panel = !settings.panel;
+    }
     for (ask, text, hint) in [
         (StandardView::Right, "Side", "From the east (3)"),
         (StandardView::Front, "Front", "From the south (1)"),
@@ -220,60 +236,47 @@ fn controls(ui: &mut Ui, settings: &mut Settings) -> Option<StandardView> {
 }
 
 /// In the middle of an empty window.
-pub fn invitation(ui: &Ui, screen: Rect, waiting_for: Option<&str>) {
+pub fn invitation(ui: &Ui, screen: Rect, waiting_for: Option<&str>, background: [u8; 3], on_wayland: bool) {
+    let is_bright = background.iter().map(|&channel| u32::from(channel)).sum::<u32>() > 384;
+    let color = if is_bright { Color32::from_gray(40) } else { Color32::from_rgb(226, 230, 236) };
     let middle = screen.center();
     let (first, second) = match waiting_for {
         Some(name) => (format!("Opening {name} …"), String::new()),
-        None => ("Drop a LAS or LAZ file here".to_owned(), "or a folder of them · F1 shows the controls".to_owned()),
+        // Not every compositor lets files be dropped.
+        None if on_wayland => (
+            "Open a LAS or LAZ file with Ctrl+O".to_owned(),
+            "or a folder with Ctrl+Shift+O · F1 shows the keys".to_owned(),
+        ),
+        None => ("Drop a LAS or LAZ file here".to_owned(), "or a folder · Ctrl+O opens · F1 shows the keys".to_owned()),
     };
     let paint = |offset: f32, text: String, size: f32, color| {
         ui.painter().text(middle + vec2(0.0, offset), Align2::CENTER_CENTER, text, FontId::proportional(size), color);
     };
-    paint(0.0, first, 24.0, TEXT);
-    paint(30.0, second, 14.0, DIM);
+    paint(0.0, first, 24.0, color);
+    paint(30.0, second, 14.0, color.gamma_multiply(0.7));
+}
+
+/// Over the picture while one is taken for a file: what lies under it may have another size.
+pub fn taking_picture(ctx: &egui::Context, screen: Rect, done: Option<f32>) {
+    let painter = ctx.layer_painter(egui::LayerId::new(Order::Middle, Id::unique("taking a picture")));
+    painter.rect_filled(screen, CornerRadius::ZERO, Color32::from_black_alpha(150));
+    let text = done.map_or(String::new(), |done| format!("Taking the picture … {:.0} %", (done * 100.0).floor()));
+    painter.text(screen.center(), Align2::CENTER_CENTER, text, FontId::proportional(24.0), Color32::WHITE);
 }
 
 /// Shown while files hover over the window.
-pub fn drop_target(ctx: &egui::Context) {
+pub fn drop_target(ctx: &egui::Context, add: bool) {
     let painter = ctx.layer_painter(egui::LayerId::new(Order::Tooltip, Id::unique("drop target")));
     let screen = ctx.content_rect();
     painter.rect_filled(screen, CornerRadius::ZERO, Color32::from_black_alpha(150));
     let frame = screen.shrink(16.0);
     painter.rect_stroke(frame, CornerRadius::same(8), (2.0, ACCENT), egui::StrokeKind::Inside);
     let font = FontId::proportional(24.0);
-    painter.text(screen.center(), Align2::CENTER_CENTER, "Drop to open", font, Color32::WHITE);
-}
-
-/// Keys and mouse.
-pub fn help(ctx: &egui::Context, settings: &mut Settings) {
-    let frame = Frame::new().fill(PANEL).inner_margin(14).corner_radius(6);
-    let area = Area::new(Id::unique("help")).order(Order::Foreground).anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0));
-    let area = area.sense(Sense::click());
-    let shown = area.show(ctx, |ui| {
-        frame.show(ui, |ui| {
-            ui.horizontal_top(|ui| {
-                ui.vertical(|ui| help_section(ui, keys::Section::Move));
-                ui.add_space(18.0);
-                ui.vertical(|ui| {
-                    help_section(ui, keys::Section::Inspect);
-                    help_section(ui, keys::Section::Show);
-                });
-            });
-        });
-    });
-    if shown.response.clicked() {
-        settings.help = false;
-    }
-}
-
-fn help_section(ui: &mut Ui, section: keys::Section) {
-    ui.label(small(section.title()).strong().color(ACCENT));
-    egui::Grid::new(section.title()).num_columns(2).spacing(vec2(18.0, 5.0)).show(ui, |ui| {
-        for row in keys::ROWS.iter().filter(|row| row.section == section) {
-            ui.label(small(row.keys).strong().color(Color32::WHITE));
-            ui.label(small(row.what));
-            ui.end_row();
-        }
-    });
-    ui.add_space(6.0);
+    painter.text(
+        screen.center(),
+        Align2::CENTER_CENTER,
+        if add { "Drop to add" } else { "Drop to open" },
+        font,
+        Color32::WHITE,
+    );
 }

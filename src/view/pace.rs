@@ -6,6 +6,8 @@ use std::time::Instant;
 pub struct Pace {
     /// Smoothed time from one frame to the next, while they follow at once.
     pub secs: f64,
+    /// From the frame before to this one; 0 after a rest.
+    last_secs: f64,
     began: Option<Instant>,
     follows: bool,
     frames: u64,
@@ -15,13 +17,20 @@ pub struct Pace {
 impl Pace {
     pub fn begin(&mut self) {
         let now = Instant::now();
+        self.last_secs = 0.0;
         if let Some(before) = self.began.replace(now)
             && self.follows
         {
             let secs = (now - before).as_secs_f64();
+            self.last_secs = secs;
             self.secs = if self.secs == 0.0 { secs } else { self.secs + 0.2 * (secs - self.secs) };
         }
         self.frames += 1;
+    }
+
+    /// Seconds from the frame before to this one; 0 after a rest.
+    pub fn last_secs(&self) -> f64 {
+        self.last_secs
     }
 
     pub fn note_drawn(&mut self, drawn: bool) {

@@ -13,10 +13,14 @@ use super::{
     loading::{Drained, End, First, Loading},
     messages::{Messages, Severity},
     navigation::Navigation,
+    screenshot::ShotOptions,
     settings::Settings,
 };
 use crate::{
-    render::{FillBudget, FrameReport, FrameRequest, GpuBackend, Progressive, RenderError, StoreOptions, View},
+    render::{
+        Backend, CameraError, FillBudget, FrameReport, FrameRequest, GpuBackend, Picture, Progressive, RenderError,
+        StoreOptions, View,
+    },
     scene::SceneFacts,
 };
 
@@ -33,7 +37,9 @@ pub struct SceneState {
     /// The scene on screen.
     pub loading: Option<Loading>,
     /// The one that replaces it as soon as its headers are read.
-    pub incoming: Option<(Loading, Vec<PathBuf>)>,
+    pub incoming: Option<Incoming>,
+    /// What the user opened.
+    inputs: Vec<PathBuf>,
     /// Where the user looks from; none before a scene's headers are read.
     pub navigation: Option<Navigation>,
     pub last_report: Option<FrameReport>,
@@ -41,6 +47,27 @@ pub struct SceneState {
     threads: Option<usize>,
     /// Size of the picture that could not be drawn; another may do.
     undrawable: Option<([u32; 2], bool)>,
+    /// The picture that is being taken for a file.
+    pub shot: Option<ShotOptions>,
+}
+
+/// A scene whose headers are being read.
+pub struct Incoming {
+    loading: Loading,
+    pub inputs: Vec<PathBuf>,
+    /// The camera stays where it is.
+    keeps_view: bool,
+}
+
+/// What [`SceneState::take_incoming`] found.
+#[derive(Debug, PartialEq, Eq)]
+pub enum Taken {
+    Nothing,
+    /// A scene has replaced the last one. `keeps_view`: by the same files and others, or fewer.
+    Scene {
+        inputs: Vec<PathBuf>,
+        keeps_view: bool,
+    },
 }
 
 /// What [`SceneState::advance`] did.
@@ -59,34 +86,57 @@ impl SceneState {
             progressive: Progressive::new(backend, store),
             loading: None,
             incoming: None,
+            inputs: Vec::new(),
             navigation: None,
             last_report: None,
             fill: options.fill.map_or(target, FillBudget::Fixed),
             threads: options.threads,
             undrawable: None,
+            shot: None,
         }
     }
 
-    /// Starts to read; what is on screen stays until the new headers are known.
-    pub fn open(&mut self, ctx: &Context, inputs: Vec<PathBuf>) {
+    /// Starts to read; what is on screen stays until the new headers are known. Files that are added are read together
+    /// with those on screen, all of them anew: scenes have one grid.
+    pub fn open(&mut self, ctx: &Context, inputs: Vec<PathBuf>, add: bool) {
+        if !add || self.loading.is_none() {
+            return self.start(ctx, inputs, false);
+        }
+        let mut all = self.inputs.clone();
+        all.extend(inputs.into_iter().filter(|input| !self.inputs.contains(input)));
+        self.start(ctx, all, true);
+    }
+
+    /// Takes one file away; the others are read anew.
+    pub fn close_file(&mut self, ctx: &Context, file: usize) {
+        let Some(scene) = self.loading.as_ref().and_then(Loading::scene) else { return };
+        // A folder is no more than its files from here on.
+        let others = scene.files.iter().enumerate().filter(|(i, _)| *i != file);
+        let others: Vec<PathBuf> = others.map(|(_, file)| file.path.clone()).collect();
+        if !others.is_empty() {
+            self.start(ctx, others, true);
+        }
+    }
+
+    fn start(&mut self, ctx: &Context, inputs: Vec<PathBuf>, keeps_view: bool) {
         let ctx = ctx.clone();
         let wake = Arc::new(move || ctx.request_repaint());
-        self.incoming = Some((Loading::start(&inputs, self.threads, wake), inputs));
+        let loading = Loading::start(&inputs, self.threads, wake);
+        self.incoming = Some(Incoming { loading, inputs, keeps_view });
     }
 
-    /// Takes over the incoming scene once its headers are read; true if it did.
-    pub fn take_incoming(&mut self, ctx: &Context, messages: &mut Messages, size: [u32; 2]) -> bool {
+    /// Takes over the incoming scene once its headers are read.
+    pub fn take_incoming(&mut self, ctx: &Context, messages: &mut Messages, size: [u32; 2]) -> Taken {
         // The first camera is chosen for the window's shape.
         if size.contains(&0) {
-            return false;
+            return Taken::Nothing;
         }
-        let Some((loading, inputs)) = &mut self.incoming else { return false };
+        let Some(Incoming { loading, inputs, .. }) = &mut self.incoming else { return Taken::Nothing };
         match loading.take_first() {
-            First::Nothing => false,
+            First::Nothing => {}
             First::Failed(error) => {
                 messages.add(Severity::Error, error);
                 self.incoming = None;
-                false
             }
             First::Opened(scene) => {
                 messages.clear();
@@ -95,13 +145,30 @@ impl SceneState {
                 }
                 let title = format!("{} – firstlight", title(&scene, inputs));
                 ctx.send_viewport_cmd(ViewportCommand::Title(title));
-                self.navigation = Some(Navigation::new(scene.grid, &scene.bounds, size));
+                let mut navigation = Navigation::new(scene.grid, &scene.bounds, size);
                 self.progressive.open(scene);
                 self.undrawable = None;
                 self.last_report = None;
-                self.loading = self.incoming.take().map(|(loading, _)| loading);
-                true
+                self.shot = None;
+                if let Some(Incoming { loading, inputs, keeps_view }) = self.incoming.take() {
+                    if let Some(before) = self.navigation.as_ref().filter(|_| keeps_view) {
+                        navigation.set_camera(*before.camera());
+                    }
+                    self.navigation = Some(navigation);
+                    self.loading = Some(loading);
+                    self.inputs.clone_from(&inputs);
+                    return Taken::Scene { inputs, keeps_view };
+                }
             }
+        }
+        Taken::Nothing
+    }
+
+    /// Stops reading; what is read stays.
+    pub fn stop_reading(&mut self) {
+        if let Some(loading) = self.loading.as_mut().filter(|loading| loading.is_running()) {
+            loading.stop();
+            self.progressive.end_of_input();
         }
     }
 
@@ -129,13 +196,22 @@ impl SceneState {
     }
 
     /// Lets points in and draws.
-    pub fn advance(&mut self, messages: &mut Messages, settings: &Settings, size: [u32; 2]) -> Advance {
+    pub fn advance(&mut self, messages: &mut Messages, settings: &Settings, window_size: [u32; 2]) -> Advance {
         let again = self.take_points(messages);
+        let size = self.shot.as_ref().filter(|shot| shot.wait).map_or(window_size, |shot| shot.size);
         let key = (size, settings.look.shading.high_quality);
         if size.contains(&0) || self.undrawable == Some(key) {
             return Advance { again, drawn: false };
         }
-        let Some(view) = self.view(settings, size) else { return Advance { again, drawn: false } };
+        let view = match self.view(settings, size) {
+            Ok(Some(view)) => view,
+            Ok(None) => return Advance { again, drawn: false },
+            // Navigation keeps its camera usable; if it ever fails to, the last picture stays.
+            Err(error) => {
+                messages.add(Severity::Error, sentence(&error.to_string()));
+                return Advance { again, drawn: false };
+            }
+        };
         self.progressive.set_coloring(&settings.look.coloring);
         let shading = settings.shading();
         match self.progressive.frame(&FrameRequest { view, fill: self.fill, shading }) {
@@ -147,7 +223,7 @@ impl SceneState {
                 // What is stored is still there to be shown.
                 let again =
                     again | matches!(error, RenderError::OutOfMemory { .. } | RenderError::NoMemoryForValues { .. });
-                if !again {
+                if !again && self.shot.take().is_none() {
                     self.undrawable = Some(key);
                 }
                 messages.add(Severity::Error, sentence(&error.to_string()));
@@ -156,11 +232,43 @@ impl SceneState {
         }
     }
 
-    /// What the camera sees. Navigation keeps its camera usable; if it ever fails to, the last picture stays.
-    pub fn view(&self, settings: &Settings, size: [u32; 2]) -> Option<View> {
-        let navigation = self.navigation.as_ref()?;
-        let view = navigation.camera().view(navigation.grid(), size, settings.look.point_size);
-        view.inspect_err(|error| log::error!("{error}")).ok()
+    /// The picture that is being taken, once it is as it was asked for.
+    pub fn take_shot(&mut self, settings: &Settings) -> Option<(ShotOptions, Result<Picture, String>)> {
+        let shot = self.shot.as_ref()?;
+        let is_shown = self.picture().is_some_and(|(_, size)| size == shot.size) && self.last_report.is_some();
+        if shot.wait {
+            let is_final = self.last_report.is_some_and(|report| report.is_converged()) && !self.is_loading();
+            if !(is_final && is_shown) {
+                return None;
+            }
+        }
+        let shot = self.shot.take()?;
+        let picture = if is_shown {
+            self.progressive.read().map_err(|error| error.to_string())
+        } else {
+            self.whole_picture(settings, shot.size)
+        };
+        Some((shot, picture))
+    }
+
+    /// All points stored, at another size.
+    fn whole_picture(&mut self, settings: &Settings, size: [u32; 2]) -> Result<Picture, String> {
+        let view = self.view(settings, size).map_err(|error| error.to_string())?.ok_or("there is no scene")?;
+        let request = FrameRequest { view, fill: self.fill, shading: settings.shading() };
+        let drawn = self.progressive.backend_mut().resize(size).and_then(|()| self.progressive.brute_force(&request));
+        drawn.and_then(|_| self.progressive.read()).map_err(|error| error.to_string())
+    }
+
+    /// What the camera sees, if there is one.
+    fn view(&self, settings: &Settings, size: [u32; 2]) -> Result<Option<View>, CameraError> {
+        let view =
+            |navigation: &Navigation| navigation.camera().view(navigation.grid(), size, settings.look.point_size);
+        self.navigation.as_ref().map(view).transpose()
+    }
+
+    /// What the headers say of the scene on screen.
+    pub fn facts(&self) -> Option<&Arc<SceneFacts>> {
+        self.loading.as_ref()?.scene()
     }
 
     pub fn fill_budget(&self) -> FillBudget {
@@ -200,7 +308,7 @@ fn title(scene: &SceneFacts, inputs: &[PathBuf]) -> String {
 }
 
 /// With a capital letter, as a message stands alone.
-fn sentence(text: &str) -> String {
+pub fn sentence(text: &str) -> String {
     let mut chars = text.chars();
     chars.next().map_or(String::new(), |first| first.to_uppercase().chain(chars).collect())
 }

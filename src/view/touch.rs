@@ -26,6 +26,11 @@ pub struct Touch {
 }
 
 impl Touch {
+    /// What stays when a scene is read anew with more files, or fewer: record numbers are others then.
+    pub fn in_same_place(&mut self) -> Touch {
+        Touch { hand: std::mem::take(&mut self.hand), ..Default::default() }
+    }
+
     /// The picture is another one: what the cursor is on may be, too.
     pub fn note_drawn(&mut self) {
         self.probed = None;
@@ -72,7 +77,7 @@ impl Touch {
     }
 
     fn take_answers(&mut self, ctx: &Context, scene: &mut SceneState) {
-        let Some(facts) = scene.loading.as_ref().and_then(|loading| loading.scene().cloned()) else { return };
+        let Some(facts) = scene.facts().cloned() else { return };
         if let Some(touched) = self.probe.answer(&mut scene.progressive) {
             self.hand.touched = touched.map(|touched| touched.place);
             self.tools.hover(touched.map(|touched| touched.pick), &facts);
@@ -99,7 +104,7 @@ impl Touch {
             return;
         }
         settings.obey(command);
-        let facts = scene.loading.as_ref().and_then(|loading| loading.scene());
+        let facts = scene.facts();
         if let (Some(navigation), Some(facts)) = (&mut scene.navigation, facts) {
             let cursor = picture.map_or(DVec2::ZERO, |picture| self.hand.cursor(ctx, picture, navigation));
             self.hand.obey(command, ctx, navigation, cursor, settings.smooth);
@@ -131,7 +136,7 @@ impl Touch {
         scene: &SceneState,
         settings: &mut Settings,
     ) -> Vec<Command> {
-        let facts = scene.loading.as_ref().and_then(|loading| loading.scene());
+        let facts = scene.facts();
         let (Some(navigation), Some(facts)) = (&scene.navigation, facts) else { return Vec::new() };
         let ctx = ui.ctx().clone();
         let free = picture.contains_pointer() && !ctx.input(|i| i.pointer.any_down());

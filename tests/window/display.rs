@@ -103,6 +103,11 @@ impl Shot {
         self.scene().iter().filter(|p| which(p)).count()
     }
 
+    /// The colour of one pixel.
+    pub fn at(&self, x: usize, y: usize) -> [u8; 3] {
+        self.pixels[y * SIZE.0 + x]
+    }
+
     /// Pixels that are not the same.
     pub fn difference(&self, other: &Shot) -> usize {
         self.scene().iter().zip(other.scene()).filter(|(a, b)| a != b).count()

@@ -10,6 +10,7 @@
 mod display;
 mod moves;
 mod tools;
+mod panels;
 mod viewer;
 mod xserver;
 

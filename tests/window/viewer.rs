@@ -3,7 +3,7 @@
 use std::{
     fs,
     io::{BufRead as _, BufReader},
-    path::Path,
+    path::{Path, PathBuf},
     process::{Child, Command, ExitStatus, Stdio},
     sync::{Arc, Mutex},
     time::{Duration, Instant},
@@ -21,11 +21,20 @@ pub struct Viewer<'d> {
 }
 
 impl<'d> Viewer<'d> {
+    /// Without a panel, so that the picture has the window for itself, and without anything remembered.
     pub fn start(display: &'d Display, arguments: &[&str]) -> Viewer<'d> {
+        let settings = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("window-settings.json");
+        fs::write(&settings, r#"{"panel": false}"#).expect("settings");
+        Viewer::start_with(display, &settings, arguments)
+    }
+
+    /// With a settings file of the test's own.
+    pub fn start_with(display: &'d Display, settings: &Path, arguments: &[&str]) -> Viewer<'d> {
         let mut process = Command::new(env!("CARGO_BIN_EXE_firstlight"))
             .args(arguments)
             .env("DISPLAY", &display.name)
             .env_remove("WAYLAND_DISPLAY")
+            .env("FIRSTLIGHT_SETTINGS", settings)
             .env("WINIT_X11_SCALE_FACTOR", "1")
             .env("RUST_LOG", "firstlight=debug")
             .stdin(Stdio::null())

@@ -24,11 +24,12 @@ use glam::DVec2;
 
 use super::{keys::Command, navigation::Navigation, probe::REACH};
 use crate::{
+    inspect::Ruler,
     render::{Clip, GpuBackend, Pick, PickAt, PickTicket, Progressive},
     scene::SceneFacts,
 };
 use clip::Clipping;
-use measure::{Line, Place, Unit, coordinates};
+use measure::{Line, Place, coordinates};
 use pins::Pins;
 use sheet::{ACCENT, Sheet, WHITE};
 
@@ -278,15 +279,15 @@ fn draw_hovered(sheet: &Sheet<'_>, cursor: DVec2, place: &Place, facts: &SceneFa
 
 /// A line with its lengths; `ahead` is where it would go on.
 fn draw_line(sheet: &Sheet<'_>, line: &Line, facts: &SceneFacts, ahead: Option<Place>) {
-    let (grid, unit) = (&facts.grid, Unit::of(facts));
+    let ruler = Ruler::new(facts);
     let mut whole = line.clone();
     if !line.points.is_empty() {
         whole.points.extend(ahead);
     }
-    for (pair, apart) in whole.points.windows(2).zip(whole.segments(grid)) {
+    for (pair, segment) in whole.points.windows(2).zip(whole.segments(&ruler)) {
         if let Some([a, b]) = sheet.line(pair[0].world, pair[1].world, ACCENT) {
             let middle = a + (b - a) * 0.5;
-            sheet.words(middle, Align2::CENTER_BOTTOM, &Line::segment_words(&apart, grid, unit), WHITE);
+            sheet.words(middle, Align2::CENTER_BOTTOM, &Line::segment_words(&segment, &ruler), WHITE);
         }
     }
     for point in &line.points {
@@ -294,7 +295,7 @@ fn draw_line(sheet: &Sheet<'_>, line: &Line, facts: &SceneFacts, ahead: Option<P
             sheet.ring(at, ACCENT);
         }
     }
-    if let (Some(last), Some(words)) = (whole.points.last(), whole.total_words(grid, unit))
+    if let (Some(last), Some(words)) = (whole.points.last(), whole.total_words(&ruler))
         && let Some(at) = sheet.place(last.world)
     {
         sheet.words(at + vec2(12.0, 12.0), Align2::LEFT_TOP, &words, WHITE);
@@ -344,7 +345,7 @@ mod tests {
         for record in [1, 2, 5] {
             tools.take(&ctx, &facts, at(record));
         }
-        assert!(tools.text(&facts).unwrap().contains("total: 4.00"));
+        assert!(tools.text(&facts).unwrap().contains("Length: 4.00"));
         tools.obey(Command::Finish, &ctx, &facts, DVec2::ZERO, &mut clip);
         assert_eq!((tools.lines.len(), tools.drawn.points.len()), (1, 0));
         tools.take(&ctx, &facts, at(9));

@@ -1,0 +1,99 @@
+//! The panel, pictures for files, and what is remembered from one run to the next.
+
+use std::{
+    fs::{self, File},
+    io::BufReader,
+    path::{Path, PathBuf},
+    time::{Duration, Instant},
+};
+
+use super::{PATIENCE, SOME, display::Display, one_at_a_time, viewer::Viewer};
+
+fn temporary(name: &str) -> PathBuf {
+    PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name)
+}
+
+fn planes() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("sample_data/planes.las")
+}
+
+fn size_of_png(path: &Path) -> (u32, u32) {
+    let reader = png::Decoder::new(BufReader::new(File::open(path).unwrap())).read_info().unwrap();
+    (reader.info().width, reader.info().height)
+}
+
+/// The first window of a user: its panel is open, Tab hides it, Ctrl+S saves a picture beside the scan, and the next
+/// window is as this one was left.
+#[test]
+fn settings_are_remembered_and_pictures_saved() {
+    let _turn = one_at_a_time();
+    let Some(display) = Display::start() else { return };
+    let (settings, folder) = (temporary("window-remembered.json"), temporary("window-pictures"));
+    let _ = fs::remove_file(&settings);
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).unwrap();
+    let scan = folder.join("planes.las");
+    fs::copy(planes(), &scan).unwrap();
+    let arguments = ["--point-size", "3", scan.to_str().unwrap()];
+
+    let began = Instant::now();
+    let mut viewer = Viewer::start_with(&display, &settings, &arguments);
+    viewer.wait_for("points", PATIENCE, |v| Some(()).filter(|()| v.shot().points() > SOME));
+    eprintln!("points on screen {:.3?} after the start", began.elapsed());
+    viewer.wait_for_line("at rest", PATIENCE);
+    let with_panel = viewer.shot_at_rest();
+    with_panel.save("10-panel");
+    // Where the picture would be without the panel, there is another colour than its background.
+    let background = with_panel.at(5, 400);
+    assert_ne!(with_panel.at(1270, 700), background);
+
+    // The picture that is saved is not that of the window: the panel is no part of it.
+    viewer.key("ctrl+s");
+    viewer.wait_for_line("picture written to", PATIENCE);
+    let picture = folder.join("planes.png");
+    let (width, height) = size_of_png(&picture);
+    assert!(width < 1280 - 200 && height == 800, "{width}x{height}");
+
+    let rests = viewer.count("at rest");
+    viewer.key("Tab");
+    viewer.wait_for_more("at rest", rests, PATIENCE);
+    let without = viewer.shot_at_rest();
+    without.save("11-no-panel");
+    assert_eq!(without.at(1270, 700), background);
+    viewer.key("ctrl+s");
+    viewer.wait_for("a second picture", PATIENCE, |_| folder.join("planes-1.png").is_file().then_some(()));
+    assert_eq!(size_of_png(&folder.join("planes-1.png")), (1280, 800));
+
+    // Nothing goes on while the panel rests, either.
+    viewer.key("Tab");
+    viewer.wait_for_line("measured for 1280x800", PATIENCE);
+    viewer.shot_at_rest();
+    std::thread::sleep(Duration::from_millis(1500));
+    let (rests, busy) = (viewer.count("at rest"), viewer.cpu_time());
+    std::thread::sleep(Duration::from_secs(2));
+    let busy = viewer.cpu_time() - busy;
+    assert!(busy < Duration::from_millis(200), "{busy:?} of processor time in 2 s with an idle panel");
+    assert_eq!(viewer.count("at rest"), rests);
+    viewer.key("Tab");
+    viewer.shot_at_rest();
+    assert!(viewer.close(PATIENCE).success());
+
+    let text = fs::read_to_string(&settings).unwrap();
+    assert!(text.contains("\"panel\": false") && text.contains("planes.las"), "{text}");
+    // The panel stays hidden, and so does the point size without the option.
+    let mut viewer = Viewer::start_with(&display, &settings, &[scan.to_str().unwrap()]);
+    viewer.wait_for("the same picture", PATIENCE, |v| (v.shot().difference(&without) == 0).then_some(()));
+    assert!(viewer.close(PATIENCE).success());
+
+    // What is damaged is as if it were not there, and --fresh does not even look.
+    fs::write(&settings, &text[..text.len() / 2]).unwrap();
+    let mut viewer = Viewer::start_with(&display, &settings, &arguments);
+    viewer.wait_for("the first picture", PATIENCE, |v| (v.shot().difference(&with_panel) == 0).then_some(()));
+    assert!(viewer.close(PATIENCE).success());
+    fs::write(&settings, &text).unwrap();
+    let mut viewer = Viewer::start_with(&display, &settings, &["--fresh", arguments[0], arguments[1], arguments[2]]);
+    viewer.wait_for("the first picture", PATIENCE, |v| (v.shot().difference(&with_panel) == 0).then_some(()));
+    viewer.key("Tab");
+    assert!(viewer.close(PATIENCE).success());
+    assert_eq!(fs::read_to_string(&settings).unwrap(), text, "nothing was remembered");
+}
