@@ -5,10 +5,6 @@ use std::{
     time::{Duration, Instant},
 };
 
-use eframe::{
-    egui::{self, Color32, Context, Event, Id, Key, Modifiers, Rect, Sense, Ui},
-    egui_wgpu::RenderState,
-};
 use super::{
     Options,
     blit::Blit,
@@ -30,6 +26,10 @@ use super::{
     touch::Touch,
 };
 use crate::render::{Backend, FillBudget, GpuBackend, RenderError};
+use eframe::{
+    egui::{self, Color32, Context, Event, Id, Key, Modifiers, Rect, Sense, Ui},
+    egui_wgpu::RenderState,
+};
 
 /// How often the numbers are brought up to date while nothing else asks for a frame.
 const STATUS_INTERVAL: Duration = Duration::from_millis(250);
@@ -102,7 +102,10 @@ impl App {
         if !keeps_view && !is_first {
             self.settings.forget_scene();
         }
-        let first = self.scene.facts().and_then(|scene| scene.files.first()).map(|file| file.path.clone());
+        let first = self.first_file();
+        if let Some(first) = first.as_ref().filter(|_| !keeps_view) {
+            self.touch.hand.bookmarks = self.remembered.bookmarks_of(first);
+        }
         self.share.path = screenshot::default_path(first.as_deref()).display().to_string();
         self.share.may_replace = false;
     }
@@ -331,12 +334,24 @@ impl App {
         }
     }
 
+    fn first_file(&self) -> Option<PathBuf> {
+        self.scene.facts().and_then(|scene| scene.files.first()).map(|file| file.path.clone())
+    }
+
+    /// Settings and bookmarks as they are now.
+    fn note_all(&mut self) {
+        self.settings.note(&mut self.remembered);
+        if let Some(first) = self.first_file() {
+            self.remembered.set_bookmarks(&first, &self.touch.hand.bookmarks);
+        }
+    }
+
     /// Keeps what has changed, once nothing moves.
     fn remember(&mut self, ctx: &Context) {
         if ctx.input(|i| i.pointer.any_down()) {
             return;
         }
-        self.settings.note(&mut self.remembered);
+        self.note_all();
         let (size, is_large) = ctx.input(|i| {
             let viewport = i.viewport();
             (
@@ -437,7 +452,7 @@ impl eframe::App for App {
     }
 
     fn on_exit(&mut self) {
-        self.settings.note(&mut self.remembered);
+        self.note_all();
         if let Err(error) = self.store.save(&self.remembered) {
             log::error!("{error}");
         }

@@ -50,8 +50,7 @@ pub enum Section {
 }
 
 impl Section {
-    pub const ALL: [Section; 5] =
-        [Section::Move, Section::Inspect, Section::Show, Section::Files, Section::Window];
+    pub const ALL: [Section; 5] = [Section::Move, Section::Inspect, Section::Show, Section::Files, Section::Window];
 
     pub fn title(self) -> &'static str {
         match self {

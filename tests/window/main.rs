@@ -9,8 +9,8 @@
 
 mod display;
 mod moves;
-mod tools;
 mod panels;
+mod tools;
 mod viewer;
 mod xserver;
 

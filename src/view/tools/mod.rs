@@ -97,7 +97,11 @@ enum Last {
 impl Tools {
     /// The point under the cursor is this one now, or none.
     pub fn hover(&mut self, pick: Option<Pick>, facts: &SceneFacts) {
-        self.hovered = pick.map(|pick| place(&pick, facts));
+        let hovered = pick.map(|pick| place(&pick, facts));
+        if let Some(place) = hovered.filter(|_| hovered != self.hovered) {
+            log::debug!("at the cursor: {}", coordinates(place.position, &facts.grid).join(" "));
+        }
+        self.hovered = hovered;
     }
 
     /// Asks for the point at a pixel, to do with it what the tool does.
@@ -273,7 +277,6 @@ fn draw_hovered(sheet: &Sheet<'_>, cursor: DVec2, place: &Place, facts: &SceneFa
         sheet.ring(at, WHITE);
     }
     let words = coordinates(place.position, &facts.grid).join("  ");
-    log::trace!("hovered {words}");
     sheet.words(sheet.position(cursor) + vec2(16.0, 18.0), Align2::LEFT_TOP, &words, WHITE);
 }
 
