@@ -210,3 +210,103 @@ fn rows(ui: &mut egui::Ui, number: u32, rows: &[(String, String)]) {
         });
     });
 }
+
+#[cfg(test)]
+mod tests {
+    use std::{
+        path::Path,
+        time::{Duration, Instant},
+    };
+
+    use eframe::egui::{OutputCommand, Rect, pos2};
+    use egui_kittest::{Harness, kittest::Queryable as _};
+
+    use super::*;
+    use crate::{
+        scene::{FileFacts, Grid},
+        view::navigation::Navigation,
+    };
+
+    struct World {
+        pins: Pins,
+        navigation: Navigation,
+        facts: Arc<SceneFacts>,
+    }
+
+    /// A scene of one file that may not be there, and what its record says.
+    fn world(path: &Path) -> World {
+        let grid = Grid { scale: [0.001; 3], origin: [0.0; 3] };
+        let bounds = crate::scene::Bounds { min: [0.0; 3], max: [10.0; 3] };
+        let file = FileFacts { path: path.to_owned(), points_in_header: 1_000, ..Default::default() };
+        let facts = SceneFacts { grid, bounds, files: vec![file], warnings: vec![] };
+        World { pins: Pins::default(), navigation: Navigation::new(grid, &bounds, [900, 700]), facts: Arc::new(facts) }
+    }
+
+    fn place(record: u32) -> Place {
+        Place { record, position: [5_000, 4_250, 1], world: [5.0, 4.25, 0.001].into() }
+    }
+
+    fn show(world: World) -> Harness<'static, World> {
+        let contents = |ui: &mut egui::Ui, world: &mut World| {
+            let rect = Rect::from_min_size(pos2(0.0, 0.0), vec2(900.0, 700.0));
+            let ctx = ui.ctx().clone();
+            let painter = ui.painter_at(rect);
+            let sheet = Sheet { painter, rect, navigation: &world.navigation, pixels_per_point: 1.0 };
+            world.pins.show(&sheet, &ctx, &world.facts);
+        };
+        Harness::builder().with_size(vec2(900.0, 700.0)).build_ui_state(contents, world)
+    }
+
+    /// Until the card says this, as a thread reads what it is about.
+    fn wait_for(harness: &mut Harness<'static, World>, label: &str) {
+        let began = Instant::now();
+        while harness.query_by_label_contains(label).is_none() {
+            assert!(began.elapsed() < Duration::from_secs(30), "the card never says {label}");
+            std::thread::sleep(Duration::from_millis(5));
+            harness.step();
+        }
+    }
+
+    fn copied(harness: &Harness<'static, World>) -> Option<String> {
+        let commands = &harness.output().platform_output.commands;
+        commands.iter().find_map(|command| match command {
+            OutputCommand::CopyText(text) => Some(text.clone()),
+            _ => None,
+        })
+    }
+
+    #[test]
+    fn a_card_says_what_the_file_says_and_copies_it() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("sample_data/planes.las");
+        let record = PointRecord::read(&path, 7, &AtomicBool::new(false)).unwrap();
+        let mut world = world(&path);
+        world.pins.set(&Context::default(), &world.facts.clone(), place(7));
+        let mut harness = show(world);
+        wait_for(&mut harness, "Intensity");
+        for (_, text) in record.card() {
+            assert!(harness.query_all_by_label(&text).next().is_some(), "{text} is not on the card");
+        }
+        let copies = [("Copy", record.text()), ("JSON", record.json()), ("CSV", record.csv_row())];
+        for (button, expected) in copies {
+            harness.get_by_label(button).click();
+            harness.step();
+            assert_eq!(copied(&harness).as_deref(), Some(&*expected), "{button}");
+        }
+        harness.get_by_label("Close").click();
+        harness.step();
+        harness.step();
+        assert_eq!(harness.state().pins.len(), 0);
+    }
+
+    #[test]
+    fn a_file_that_is_gone_is_told_on_the_card_and_the_place_stays() {
+        let mut world = world(Path::new("/nowhere/at-all.las"));
+        world.pins.set(&Context::default(), &world.facts.clone(), place(7));
+        let mut harness = show(world);
+        wait_for(&mut harness, "at-all.las");
+        assert!(harness.query_by_label("4.250").is_some(), "the coordinates are known without the file");
+        harness.get_by_label("Copy").click();
+        harness.step();
+        assert_eq!(copied(&harness).as_deref(), Some("5.000 4.250 0.001"));
+    }
+}
