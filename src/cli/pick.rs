@@ -66,6 +66,7 @@ pub fn run(args: PickArgs, started: Instant) -> Result<ExitStatus, CliError> {
         camera: args.camera.as_deref().map(read_camera).transpose()?,
         backend: backend_choice(args.backend, args.method)?,
         method: args.method,
+        encoding: None,
         fill: None,
         look: args.look.look(1),
         seed: args.seed,

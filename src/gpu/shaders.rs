@@ -168,7 +168,7 @@ shader!(LIGHT, NOTHING, "group", "project", "light");
 shader!(COPY, NOTHING, "group", "methods/copy");
 
 /// All modules, for the tests.
-pub const ALL: [&Shader; 23] = [
+pub const ALL: [&Shader; 24] = [
     &INSERT,
     &MOVE,
     &WIDEN,
