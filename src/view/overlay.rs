@@ -19,7 +19,7 @@ const PANEL_ALPHA: u8 = 218;
 const ACCENT: Color32 = Color32::from_rgb(106, 182, 255);
 const LINE_HEIGHT: f32 = 20.0;
 /// Two lines, the space between them and around them.
-const BAR_HEIGHT: f32 = 2.0 * LINE_HEIGHT + 3.0 + 10.0;
+pub const BAR_HEIGHT: f32 = 2.0 * LINE_HEIGHT + 3.0 + 10.0;
 /// Narrower windows show the lines without the controls, and the numbers before the device.
 const CONTROLS_FROM_WIDTH: f32 = 900.0;
 

@@ -6,6 +6,7 @@ use glam::DVec2;
 use super::{
     input::{self, Hand},
     keys::{self, Command},
+    overlay::BAR_HEIGHT,
     probe::Probe,
     scene_state::SceneState,
     settings::Settings,
@@ -141,10 +142,14 @@ impl Touch {
         let ctx = ui.ctx().clone();
         let free = picture.contains_pointer() && !ctx.input(|i| i.pointer.any_down());
         let cursor = ctx.input(|i| i.pointer.hover_pos()).filter(|_| free).map(|at| input::pixel(&ctx, picture, at));
-        self.tools.show(ui, picture.rect, navigation, facts, &mut settings.look.clip, cursor);
+        let mut free = picture.rect;
+        if settings.bar {
+            free.max.y -= BAR_HEIGHT;
+        }
+        self.tools.show(ui, [picture.rect, free], navigation, facts, &mut settings.look.clip, cursor);
         if !settings.bar {
             return Vec::new();
         }
-        tools::strip(&ctx, picture.rect, &self.tools, &mut self.hand.bookmarks)
+        tools::strip(&ctx, free, &self.tools, &mut self.hand.bookmarks)
     }
 }

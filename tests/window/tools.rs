@@ -19,9 +19,12 @@ fn points() -> Vec<[i32; 3]> {
     (0..9).map(|i| [25 + 10_000 * (i % 3), 75 + 10_000 * (i / 3), 1_000 + 111 * i]).collect()
 }
 
+/// As the header has it: with room in the south and the north, where the window's lines are.
 fn bounds() -> Bounds {
     let places = points().into_iter().map(|point| GRID.world(point)).map(|p| Bounds { min: p, max: p });
-    places.reduce(|all, one| all.union(&one)).unwrap()
+    let Bounds { mut min, mut max } = places.reduce(|all, one| all.union(&one)).unwrap();
+    (min[1], max[1]) = (min[1] - 60.0, max[1] + 60.0);
+    Bounds { min, max }
 }
 
 /// LAS 1.2, point format 1.

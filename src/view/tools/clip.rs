@@ -61,7 +61,7 @@ impl Clipping {
                     clip.bounds = Some(drag_box(&begin, held, &drag, &bounds));
                 }
             }
-            box_numbers(ui.ctx(), sheet.rect, facts, &bounds, clip);
+            box_numbers(ui.ctx(), sheet.free, facts, &bounds, clip);
         }
         if tool == Tool::Slab {
             if let Some(shown) = clip.slab {
@@ -87,6 +87,8 @@ impl Clipping {
         place: impl Fn(Handle) -> DVec3,
     ) -> Dragged {
         let mut dragged = Dragged { at_handle: false, drag: None, begin: *clip };
+        let mut hot = None;
+        sheet.line(place(Handle::Middle), place(Handle::Turn), WARM);
         for &handle in handles {
             let Some(at) = sheet.place(place(handle)).filter(|at| sheet.rect.contains(*at)) else { continue };
             let rect = Rect::from_center_size(at, vec2(2.0 * REACH, 2.0 * REACH));
@@ -95,13 +97,10 @@ impl Clipping {
             let is_hot = response.hovered() || response.dragged();
             dragged.at_handle |= is_hot;
             let color = if matches!(handle, Handle::Middle | Handle::Turn) { WARM } else { ACCENT };
-            if handle == Handle::Turn {
-                sheet.line(place(Handle::Middle), place(handle), color);
-            }
             sheet.knob(at, color, is_hot);
             if is_hot {
                 ui.ctx().set_cursor_icon(CursorIcon::Grab);
-                sheet.words(at + vec2(14.0, 0.0), egui::Align2::LEFT_CENTER, handle.name(), color);
+                hot = Some((at, handle.name(), color));
             }
             if response.drag_started() {
                 let from = ui.input(|i| i.pointer.press_origin()).map_or_else(|| sheet.pixel(at), |at| sheet.pixel(at));
@@ -125,6 +124,10 @@ impl Clipping {
                 self.held = None;
                 log::debug!("clipped by {clip:?}");
             }
+        }
+        // Above all lines.
+        if let Some((at, name, color)) = hot {
+            sheet.words(at + vec2(14.0, 0.0), egui::Align2::LEFT_CENTER, name, color);
         }
         dragged
     }
@@ -172,7 +175,7 @@ fn numbers(ctx: &Context, rect: Rect, title: &str, contents: impl FnOnce(&mut Ui
 
 /// A number that is typed or dragged, with a name for screen readers.
 fn number(ui: &mut Ui, value: &mut f64, name: &str, speed: f64, digits: usize) {
-    let field = DragValue::new(value).speed(speed).max_decimals(digits.max(1));
+    let field = DragValue::new(value).speed(speed).fixed_decimals(digits);
     let response = ui.add(field).on_hover_text(name);
     response.widget_info(|| WidgetInfo::labeled(Role::SpinButton, true, name));
 }
@@ -220,7 +223,7 @@ fn box_numbers(ctx: &Context, rect: Rect, facts: &SceneFacts, bounds: &Bounds, c
 
 fn slab_numbers(ctx: &Context, sheet: &Sheet<'_>, facts: &SceneFacts, bounds: &Bounds, clip: &mut Clip) {
     let (speed, digits) = (bounds.diagonal() / 1000.0, places(&facts.grid));
-    numbers(ctx, sheet.rect, "Slab", |ui| {
+    numbers(ctx, sheet.free, "Slab", |ui| {
         let across_view = || middle_slab(bounds, sheet.navigation.forward());
         let Some(mut shown) = clip.slab else {
             if ui.button("Clip with a slab").clicked() {

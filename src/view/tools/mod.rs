@@ -240,12 +240,12 @@ impl Tools {
         }
     }
 
-    /// Draws what there is over the picture, which takes `rect` of the window. `cursor` is the pixel under the cursor
-    /// if that is free: on the picture, and no button held.
+    /// Draws what there is over the picture, which takes `rect` of the window, `free` of it without lines at its edge.
+    /// `cursor` is the pixel under the cursor, if it is on the picture and no button is held.
     pub fn show(
         &mut self,
         ui: &mut Ui,
-        rect: Rect,
+        [rect, free]: [Rect; 2],
         navigation: &Navigation,
         facts: &SceneFacts,
         clip: &mut Clip,

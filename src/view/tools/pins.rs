@@ -155,14 +155,14 @@ fn card(ctx: &Context, sheet: &Sheet<'_>, pin: &Pin, facts: &SceneFacts, at: usi
     let mut close = false;
     // Beside its point, the next ones a step lower.
     let step = 26.0 * (at % 8) as f32;
-    let beside = sheet.place(pin.place.world).map_or(sheet.rect.left_top(), |place| place + vec2(40.0, -40.0));
-    let corner = sheet.rect.shrink(8.0).clamp(beside + vec2(step, step));
+    let beside = sheet.place(pin.place.world).map_or(sheet.free.left_top(), |place| place + vec2(40.0, -40.0));
+    let corner = sheet.free.shrink(8.0).clamp(beside + vec2(step, step));
     let window = Window::new(format!("Point {}", pin.number))
         .id(Id::unique(("card", pin.number)))
         .open(&mut open)
         .default_pos(corner)
         .default_width(330.0)
-        .constrain_to(sheet.rect)
+        .constrain_to(sheet.free)
         .resizable(true);
     let shown = window.show(ctx, |ui| {
         match &pin.card {
@@ -251,7 +251,7 @@ mod tests {
             let rect = Rect::from_min_size(pos2(0.0, 0.0), vec2(900.0, 700.0));
             let ctx = ui.ctx().clone();
             let painter = ui.painter_at(rect);
-            let sheet = Sheet { painter, rect, navigation: &world.navigation, pixels_per_point: 1.0 };
+            let sheet = Sheet { painter, rect, free: rect, navigation: &world.navigation, pixels_per_point: 1.0 };
             world.pins.show(&sheet, &ctx, &world.facts);
         };
         Harness::builder().with_size(vec2(900.0, 700.0)).build_ui_state(contents, world)

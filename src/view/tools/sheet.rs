@@ -16,6 +16,8 @@ const FONT_SIZE: f32 = 13.0;
 pub struct Sheet<'a> {
     pub painter: Painter,
     pub rect: Rect,
+    /// The part of it that no lines at the edge cover.
+    pub free: Rect,
     pub navigation: &'a Navigation,
     pub pixels_per_point: f64,
 }
@@ -81,7 +83,7 @@ impl Sheet<'_> {
     pub fn words(&self, at: Pos2, anchor: Align2, text: &str, color: Color32) {
         let galley = self.painter.layout_no_wrap(text.to_owned(), FontId::proportional(FONT_SIZE), color);
         let ground = anchor.anchor_size(at, galley.size() + vec2(12.0, 6.0));
-        let ground = inside(ground, self.rect);
+        let ground = inside(ground, self.free);
         self.painter.rect_filled(ground, CornerRadius::same(4), SHADE);
         self.painter.galley(ground.min + vec2(6.0, 3.0), galley, color);
     }
