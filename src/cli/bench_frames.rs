@@ -11,14 +11,15 @@ use clap::Args;
 
 use super::{
     CliError, ExitStatus,
+    look::ColorArgs,
     render::{BackendArg, backend_choice},
     say,
     values::{self, EncodingChoice},
 };
 use crate::{
-    headless::{Destination, HeadlessError, OutputError, make_backend},
+    headless::{Destination, HeadlessError, OutputError, fields_of, make_backend},
     measure::{BenchError, BenchFrames, Fed, Feed, bench_frames, markdown},
-    render::{FillBudget, RasterChoice},
+    render::{FillBudget, Look, RasterChoice},
     synth::SynthOptions,
 };
 
@@ -67,6 +68,8 @@ pub struct BenchFramesArgs {
     /// Reader threads; by default one per core, less one
     #[arg(long, value_name = "N", value_parser = values::parse_threads)]
     threads: Option<usize>,
+    #[command(flatten)]
+    color: ColorArgs,
     /// Write every sample as JSON
     #[arg(long, value_name = "REPORT.json")]
     json: Option<PathBuf>,
@@ -79,7 +82,7 @@ pub fn run(args: BenchFramesArgs, started: Instant) -> Result<ExitStatus, CliErr
     let started = if decoded.is_some() { Instant::now() } else { started };
     let feed = match &args.synth {
         Some(options) => Feed::synth(options, args.threads)?,
-        None => Feed::files(&args.inputs, args.threads),
+        None => Feed::files(&args.inputs, args.threads, fields_of(&args.look())),
     };
     let (backend, _, notes) = make_backend(backend_choice(args.backend, args.method)?, args.method, args.threads)
         .map_err(BenchError::from)?;
@@ -93,6 +96,7 @@ pub fn run(args: BenchFramesArgs, started: Instant) -> Result<ExitStatus, CliErr
         frames: args.frames,
         high_quality: args.hq,
         encoding: args.encoding.encoding(),
+        coloring: args.color.coloring(),
     };
     let report = bench_frames(&settings, feed, backend, decoded, started)?;
     // If nobody reads the table, the report is still written.
@@ -104,6 +108,12 @@ pub fn run(args: BenchFramesArgs, started: Instant) -> Result<ExitStatus, CliErr
     Ok(ExitStatus::Ok)
 }
 
+impl BenchFramesArgs {
+    fn look(&self) -> Look {
+        Look { coloring: self.color.coloring(), ..Default::default() }
+    }
+}
+
 /// Points per second of the reader with nobody to wait for.
 fn decode_alone(args: &BenchFramesArgs) -> Result<f64, BenchError> {
     // Once without a clock, so that the files are in memory.
@@ -112,7 +122,7 @@ fn decode_alone(args: &BenchFramesArgs) -> Result<f64, BenchError> {
             let _ = fs::read(input);
         }
     }
-    let mut feed = Feed::files(&args.inputs, args.threads);
+    let mut feed = Feed::files(&args.inputs, args.threads, fields_of(&args.look()));
     let start = Instant::now();
     let mut points = 0;
     loop {

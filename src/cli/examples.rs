@@ -14,6 +14,10 @@ Examples:
   firstlight render scan.laz -o scan.png
   firstlight render scans/ -o all.png --size 3840x2160 --hq
   firstlight render scan.laz -o ground.png --filter class=2 --background '#ffffff'
+  firstlight render scan.laz -o trees.png --filter 'class!=2,6,7,18' --filter elevation=210..255.5
+  firstlight render strips/ -o second.png --filter file=1 --filter gps-time=315964800.5..315964900
+  firstlight render scan.laz -o house.png --clip 456000,5412000,200,456040,5412025,230,30
+  firstlight render scan.laz -o section.png --slab 456020,5412010,0,1,0,0,0.5
   firstlight render scan.laz -o - --stop points=1M | display
   firstlight render scan.laz --ids ids.npy --depth depth.npy --camera '{\"eye\":[0,-50,20],\"target\":[0,0,0]}'";
 

@@ -94,9 +94,22 @@ shader!(
     "early",
     "plot_early",
     "raster",
+    "hidden",
     "span"
 );
-shader!(ATOMIC_MIN, INT64_MIN_MAX, "group", "page", "project", "points", "put_64", "plot_each", "raster", "span");
+shader!(
+    ATOMIC_MIN,
+    INT64_MIN_MAX,
+    "group",
+    "page",
+    "project",
+    "points",
+    "put_64",
+    "plot_each",
+    "raster",
+    "hidden",
+    "span"
+);
 shader!(
     REDUCE,
     INT64_MIN_MAX.union(SUBGROUP),
@@ -110,6 +123,7 @@ shader!(
     "reduce",
     "plot_reduce",
     "raster",
+    "hidden",
     "span"
 );
 shader!(
@@ -126,6 +140,7 @@ shader!(
     "reduce",
     "plot_reduce_early",
     "raster",
+    "hidden",
     "span"
 );
 shader!(
@@ -139,15 +154,42 @@ shader!(
     "subgroup",
     "dedup",
     "raster",
+    "hidden",
     "span"
 );
-shader!(DEPTH_32, NOTHING, "group", "page", "project", "points", "seen_atomic", "plot_depth_32", "raster", "span");
-shader!(SLOT_32, NOTHING, "group", "page", "project", "points", "seen_atomic", "plot_slot_32", "raster", "span");
-shader!(HARDWARE, NOTHING, "page", "project", "points", "hardware");
+shader!(
+    DEPTH_32,
+    NOTHING,
+    "group",
+    "page",
+    "project",
+    "points",
+    "seen_atomic",
+    "plot_depth_32",
+    "raster",
+    "hidden",
+    "span"
+);
+shader!(
+    SLOT_32,
+    NOTHING,
+    "group",
+    "page",
+    "project",
+    "points",
+    "seen_atomic",
+    "plot_slot_32",
+    "raster",
+    "hidden",
+    "span"
+);
+shader!(HARDWARE, NOTHING, "page", "project", "points", "hidden", "hardware");
+shader!(MASK, NOTHING, "group", "page", "points", "mask_rules", "mask");
+shader!(MASK_COLUMN, NOTHING, "group", "page", "mask_rules", "mask_column");
 shader!(INDEX, NOTHING, "group", "project", "index");
 shader!(RESOLVE, NOTHING, "group", "page", "project", "points", "color", "resolve");
-shader!(AVERAGE_32, NOTHING, "group", "page", "project", "points", "color", "sums_32", "average");
-shader!(AVERAGE_64, INT64_ATOMICS, "group", "page", "project", "points", "color", "sums_64", "average");
+shader!(AVERAGE_32, NOTHING, "group", "page", "project", "points", "color", "sums_32", "hidden", "average");
+shader!(AVERAGE_64, INT64_ATOMICS, "group", "page", "project", "points", "color", "sums_64", "hidden", "average");
 shader!(RESOLVE_32, NOTHING, "group", "page", "project", "points", "color", "resolve", "sums_32", "resolve_average");
 shader!(
     RESOLVE_64,
@@ -168,7 +210,7 @@ shader!(LIGHT, NOTHING, "group", "project", "light");
 shader!(COPY, NOTHING, "group", "methods/copy");
 
 /// All modules, for the tests.
-pub const ALL: [&Shader; 24] = [
+pub const ALL: [&Shader; 26] = [
     &INSERT,
     &MOVE,
     &WIDEN,
@@ -182,6 +224,8 @@ pub const ALL: [&Shader; 24] = [
     &DEPTH_32,
     &SLOT_32,
     &HARDWARE,
+    &MASK,
+    &MASK_COLUMN,
     &INDEX,
     &RESOLVE,
     &AVERAGE_32,

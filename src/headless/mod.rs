@@ -18,4 +18,4 @@ pub use outputs::{Destination, OutputError, Outputs, picture_sha256, write_npy_f
 pub use progress::{ProgressStyle, grouped};
 pub use report::{FileEntry, OutputPaths, Report, Seconds};
 pub use run::{HeadlessError, Picked, make_backend, pick, render};
-pub use settings::{BackendChoice, CONVERGE_FILL, COUNTED_FILL, Settings, Stop};
+pub use settings::{BackendChoice, CONVERGE_FILL, COUNTED_FILL, Settings, Stop, fields_of};

@@ -10,7 +10,7 @@ use super::{
     outputs::{OutputError, picture_sha256, write_npy_f32, write_npy_i64, write_png},
     progress::{Progress, grouped},
     report::{Report, Seconds, Tally, file_entries, peak_memory_bytes},
-    settings::{BackendChoice, Settings, Stop},
+    settings::{BackendChoice, Settings, Stop, fields_of},
 };
 use crate::{
     render::{
@@ -125,7 +125,7 @@ impl<'a> Run<'a> {
         // Reading starts first: a GPU takes a while to set up.
         // What stops half-way repeats bit for bit: then the order of the points must not depend on the disk.
         let slow_read = matches!(settings.stop, Stop::Frames(_) | Stop::Points(_)).then_some(Duration::MAX);
-        let fields = settings.fields();
+        let fields = fields_of(&settings.look);
         let options = OpenOptions { threads: settings.threads, slow_read, fields, ..Default::default() };
         let stream = source::open(&settings.inputs, options);
         let (mut backend, backend_name, notes) = make_backend(settings.backend, settings.method, settings.threads)?;
@@ -146,6 +146,7 @@ impl<'a> Run<'a> {
             seconds: Seconds::default(),
             report,
         };
+        run.progressive.set_filter(&settings.look.filter, &settings.look.clip);
         let last_frame = run.draw_to_the_end(stream);
         run.progress.finish();
         Ok((run, last_frame?))
@@ -211,9 +212,10 @@ impl<'a> Run<'a> {
                 self.report.notes.extend(facts.warnings.iter().cloned());
                 let coloring = &self.settings.look.coloring;
                 self.report.notes.extend(coloring.absences(&facts));
+                self.report.notes.extend(self.settings.look.filter.absences(&facts));
                 self.progressive.open(facts.clone());
                 self.progressive.set_coloring(coloring);
-                self.progressive.carry(coloring.by.attribute().cloned());
+                self.progressive.carry(self.settings.look.attributes());
                 self.facts = Some(facts);
             }
             Event::Batch(batch) => {
@@ -301,6 +303,7 @@ impl<'a> Run<'a> {
         report.points_in_header = report.files.iter().map(|f| f.points_in_header).sum();
         report.points_decoded = report.files.iter().map(|f| f.points_decoded).sum();
         report.points_stored = self.progressive.points_stored();
+        report.points_shown = self.progressive.points_shown();
         report.read_to_end = self.source.is_some();
         report.points_missing = report.files.iter().map(|f| f.points_missing).sum();
         if self.out_of_memory {

@@ -14,8 +14,8 @@ use super::{
 use crate::{
     headless::default_camera,
     render::{
-        Backend, BackendInfo, Camera, FillBudget, FrameRequest, PassTimes, Progressive, RenderError, Shading,
-        StoreOptions, Sums,
+        Backend, BackendInfo, Camera, ColorBy, Coloring, FillBudget, FrameRequest, PassTimes, Progressive, RenderError,
+        Shading, StoreOptions, Sums,
     },
     scene::SceneFacts,
     source::SourceError,
@@ -36,6 +36,7 @@ pub struct BenchFrames {
     pub high_quality: bool,
     /// How positions are stored; `None`: as a viewer does.
     pub encoding: Option<Encoding>,
+    pub coloring: Coloring,
 }
 
 /// Frame times, milliseconds, in the order they were drawn.
@@ -84,6 +85,7 @@ pub struct BenchFramesReport {
     pub point_size_px: u32,
     /// How colours were summed up for high-quality shading; none without it.
     pub high_quality: Option<Sums>,
+    pub color_by: ColorBy,
     pub seed: u64,
     /// Points per second of the reader alone, without a GPU; only for files.
     pub decoded_points_per_sec: Option<f64>,
@@ -137,6 +139,7 @@ pub fn bench_frames(
         size_px: settings.size,
         point_size_px: settings.point_size,
         high_quality: settings.high_quality.then_some(backend_sums),
+        color_by: settings.coloring.by.clone(),
         seed: settings.seed,
         decoded_points_per_sec,
         secs_to_first_picture: 0.0,
@@ -158,6 +161,8 @@ pub fn bench_frames(
                         Packing::of_scene(&facts.grid, &facts.bounds)?;
                     }
                     run.progressive.open(facts.clone());
+                    run.progressive.set_coloring(&settings.coloring);
+                    run.progressive.carry(settings.coloring.by.attribute().cloned());
                     let camera = default_camera(&facts, None, settings.size);
                     run.scene = Some((facts, camera));
                 }
@@ -273,13 +278,14 @@ pub fn markdown(report: &BenchFramesReport) -> String {
         let _ = writeln!(out, "{text}");
     };
     line(format!(
-        "{} ({}), {}, {} positions, {width}x{height}, {} px points{}; {}",
+        "{} ({}), {}, {} positions, {width}x{height}, {} px points{}, coloured by {}; {}",
         report.backend.adapter,
         report.backend.api,
         report.backend.method,
         report.backend.encoding.name(),
         report.point_size_px,
         report.high_quality.map(|sums| format!(", high quality ({sums})")).unwrap_or_default(),
+        report.color_by,
         report.inputs.join(", ")
     ));
     line(format!("first picture after {:.2} s", report.secs_to_first_picture));

@@ -9,6 +9,7 @@ use super::{
     choice::Choice,
     color::PointColors,
     column::{ColumnId, Keys},
+    filter::MaskRules,
     pick::{Pick, PickAt, PickTicket},
 };
 use crate::{
@@ -48,6 +49,8 @@ pub struct FramePlan {
     pub colors: Arc<PointColors>,
     /// The second pass of high-quality shading; without, each pixel shows its front point.
     pub averaging: Option<Averaging>,
+    /// Hides the points that fail these tests; none: all are shown.
+    pub mask: Option<Arc<MaskRules>>,
     /// A picture for comparing while a scene converges: which slots were visible, which are fresh, and the sums stay
     /// as they were, and no method is measured. Only the words are overwritten: the next frame cannot keep them.
     pub aside: bool,
@@ -181,6 +184,11 @@ pub trait Backend {
     /// Times of the latest frame that the device has finished, if it can tell; each is returned once.
     fn pass_times(&mut self) -> Option<PassTimes>;
 
+    /// Points that the filter of the last frame shows, as soon as that is known; none without a filter.
+    fn points_shown(&mut self) -> Option<u64> {
+        None
+    }
+
     /// Measures now which of its methods is the fastest, instead of between frames, if that is due.
     fn choose(&mut self) -> Result<(), RenderError> {
         Ok(())
@@ -237,6 +245,9 @@ impl<B: Backend + ?Sized> Backend for Box<B> {
     }
     fn pass_times(&mut self) -> Option<PassTimes> {
         (**self).pass_times()
+    }
+    fn points_shown(&mut self) -> Option<u64> {
+        (**self).points_shown()
     }
     fn choose(&mut self) -> Result<(), RenderError> {
         (**self).choose()

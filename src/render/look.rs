@@ -7,6 +7,7 @@ use super::{
     coloring::Coloring,
     filter::{Clip, Filter},
 };
+use crate::scene::Attribute;
 
 /// How a scene is shown: what the window's controls set, and the options of `render` of the same names. The camera
 /// and the size of the picture are not part of it.
@@ -21,6 +22,24 @@ pub struct Look {
     pub filter: Filter,
     /// Which part of space is shown.
     pub clip: Clip,
+}
+
+impl Look {
+    /// The attributes that it takes, each once.
+    pub fn attributes(&self) -> Vec<Attribute> {
+        let mut attributes: Vec<Attribute> = self.coloring.by.attribute().cloned().into_iter().collect();
+        for attribute in self.filter.attributes() {
+            if !attributes.contains(attribute) {
+                attributes.push(attribute.clone());
+            }
+        }
+        attributes
+    }
+
+    /// Neither a filter nor a clipping box or slab hides any point.
+    pub fn shows_all(&self) -> bool {
+        self.filter.clauses.is_empty() && self.clip == Clip::default()
+    }
 }
 
 impl Default for Look {

@@ -24,12 +24,14 @@ mod gpu;
 mod histogram;
 mod in_motion;
 mod keys;
+mod legend;
 mod look;
 mod paint;
 mod pick;
 mod progressive;
 mod progressive_values;
 mod scale;
+mod selection;
 mod shading;
 mod values;
 
@@ -47,11 +49,12 @@ pub use coloring::{
 pub use column::{ColumnColors, ColumnId, Keys, Lookup};
 pub use cpu::{CpuBackend, list_visible};
 pub use filter::{
-    Clause, ClauseError, Clip, ClipBox, ClipError, Filter, Key, MaskRules, RULE_WORDS, Slab, Test, Values, ValuesError,
+    Clause, ClauseError, Clip, ClipBox, ClipError, Filter, Key, MaskRules, Place, Slab, Test, Values, ValuesError,
 };
 pub use frame::{FrameReport, FrameRequest, INSERTION_POINTS, Reprojection, StoreOptions};
 pub use gpu::{ColorTablesUniform, ColumnScaleUniform, GpuBackend, PickWords, ShadingUniform};
 pub use histogram::{AttributeStats, Histogram};
+pub use legend::{Legend, LegendClass, LegendKey, Tick};
 pub use look::Look;
 pub use pick::{MAX_REACH, Pick, PickAt, PickTicket};
 pub use progressive::Progressive;

@@ -11,6 +11,7 @@ use super::{
     coloring::Coloring,
     frame::{FrameReport, FrameRequest, MAX_POINTS, Reprojection, StoreOptions},
     pick::{MAX_REACH, Pick, PickAt, PickTicket},
+    selection::Selection,
     values::Values,
 };
 use crate::{
@@ -31,6 +32,7 @@ pub struct Progressive<B> {
     /// What comes of `coloring`, `stats` and `values`, unless these have changed since.
     pub(super) colors: Arc<PointColors>,
     pub(super) colors_are_stale: bool,
+    pub(super) selection: Selection,
     /// Batches not yet (wholly) staged; of the first, `taken` points are.
     queue: VecDeque<PointBatch>,
     taken: usize,
@@ -38,7 +40,7 @@ pub struct Progressive<B> {
     staged: PointBatch,
     input_ended: bool,
     insertions: u64,
-    stored: u32,
+    pub(super) stored: u32,
     coverage: Coverage,
     /// Points moved to other slots after the points tried had been compared by them. Among points of
     /// equal depth in a pixel (duplicates, level ground from above) the lowest slot wins; if the
@@ -76,6 +78,7 @@ impl<B: Backend> Progressive<B> {
             values: Values::default(),
             colors: Arc::new(Vec::new().into()),
             colors_are_stale: false,
+            selection: Selection::default(),
             queue: VecDeque::new(),
             taken: 0,
             spent: Vec::new(),
@@ -139,6 +142,7 @@ impl<B: Backend> Progressive<B> {
         self.memory_full = false;
         self.last_view = None;
         self.words_stand = false;
+        self.selection.is_stale = true;
     }
 
     /// True if the next frame could insert more points than are waiting.
@@ -226,12 +230,14 @@ impl<B: Backend> Progressive<B> {
         self.insert_waiting(self.budget.insertions(request.fill, limit))?;
         self.insert_secs = start.elapsed().as_secs_f64();
         if let Some(refusal) = self.values.take_refusal() {
+            self.selection.is_stale = true;
             return Err(refusal);
         }
         if self.is_loaded() {
             self.values.end_carrying();
         }
         self.refresh_colors();
+        self.refresh_mask();
         if self.unsettled && self.is_loaded() {
             self.restart();
         }
@@ -254,6 +260,7 @@ impl<B: Backend> Progressive<B> {
     pub fn brute_force(&mut self, request: &FrameRequest) -> Result<FrameReport, RenderError> {
         self.insert_waiting(self.backend.insertions_per_frame() - self.undrawn)?;
         self.refresh_colors();
+        self.refresh_mask();
         self.coverage = Coverage::default();
         self.unsettled = false;
         self.averages = Averages::default();
@@ -324,6 +331,7 @@ impl<B: Backend> Progressive<B> {
             shading: request.shading,
             colors: self.colors.clone(),
             averaging: None,
+            mask: self.selection.mask.clone(),
             aside: false,
         }
     }
@@ -374,7 +382,7 @@ impl<B: Backend> Progressive<B> {
     }
 
     /// Tries all points again, whatever was tried before.
-    fn restart(&mut self) {
+    pub(super) fn restart(&mut self) {
         self.coverage.restart();
         self.unsettled = false;
         self.averages.invalidate();

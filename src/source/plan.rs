@@ -229,6 +229,7 @@ impl FilePlan {
             record: RecordFacts {
                 format: self.header.format,
                 scan_angle_step: if self.reader.layout.extended { 0.006 } else { 1.0 },
+                gps_clock: self.header.gps_clock(),
                 has_intensities: self.reader.fields.intensity,
                 extra_bytes: self.reader.layout.extra_bytes(),
                 extra_dimensions: self.extra_dimensions.clone(),

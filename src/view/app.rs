@@ -85,7 +85,7 @@ impl App {
             on_wayland: super::is_on_wayland(),
         };
         if !options.inputs.is_empty() {
-            app.scene.open(ctx, options.inputs, false);
+            app.scene.open(ctx, options.inputs, false, &app.settings);
         }
         Ok(app)
     }
@@ -111,8 +111,8 @@ impl App {
     }
 
     /// Lets points in and draws; true if the next frame should follow at once.
-    fn advance(&mut self) -> bool {
-        let advance = self.scene.advance(&mut self.messages, &self.settings, self.size);
+    fn advance(&mut self, ctx: &Context) -> bool {
+        let advance = self.scene.advance(ctx, &mut self.messages, &self.settings, self.size);
         self.pace.note_drawn(advance.drawn);
         if advance.drawn {
             self.touch.note_drawn();
@@ -127,7 +127,7 @@ impl App {
 
     fn obey(&mut self, ctx: &Context, request: Request) {
         match request {
-            Request::Open { inputs, add } => self.scene.open(ctx, inputs, add),
+            Request::Open { inputs, add } => self.scene.open(ctx, inputs, add, &self.settings),
             Request::Choose { what, add } => {
                 let at = match what {
                     Choose::Picture => Some(PathBuf::from(self.share.path.trim())),
@@ -144,7 +144,7 @@ impl App {
             Request::CloseFile(file) => {
                 let files = self.scene.facts().map_or(0, |facts| facts.files.len());
                 panels::files::forget_file(&mut self.settings.look.filter, files, file);
-                self.scene.close_file(ctx, file);
+                self.scene.close_file(ctx, file, &self.settings);
             }
             Request::ForgetRecent => self.remembered.recent.clear(),
             Request::Screenshot(options) => self.begin_shot(options),
@@ -182,7 +182,7 @@ impl App {
     fn take_dialog(&mut self, ctx: &Context) {
         match self.dialogs.answer() {
             None => {}
-            Some(Chosen::Files { inputs, add }) => self.scene.open(ctx, inputs, add),
+            Some(Chosen::Files { inputs, add }) => self.scene.open(ctx, inputs, add, &self.settings),
             Some(Chosen::Picture(path)) => {
                 self.share.path = path.display().to_string();
                 self.share.may_replace = true;
@@ -374,7 +374,7 @@ impl eframe::App for App {
     fn logic(&mut self, ctx: &Context, _: &mut eframe::Frame) {
         if ctx.input(|i| i.viewport().visible()) == Some(false) {
             self.take_incoming(ctx);
-            if self.advance() {
+            if self.advance(ctx) {
                 ctx.request_repaint();
             }
         }
@@ -420,7 +420,7 @@ impl eframe::App for App {
 
         // Nobody will see the frame after the last.
         let closing = ctx.input(|i| i.viewport().close_requested());
-        let mut again = !closing && (self.advance() || moving);
+        let mut again = !closing && (self.advance(&ctx) || moving);
         self.go_on_with_shot(&ctx);
         if !closing && !again {
             self.measure_at_rest(&ctx);

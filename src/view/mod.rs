@@ -21,6 +21,7 @@ mod panels;
 mod probe;
 mod remembered;
 mod requests;
+mod rereading;
 mod scene_state;
 mod screenshot;
 mod settings;

@@ -13,6 +13,7 @@ use super::{
     loading::{Drained, End, First, Loading},
     messages::{Messages, Severity},
     navigation::Navigation,
+    rereading::Rereading,
     screenshot::ShotOptions,
     settings::Settings,
 };
@@ -45,8 +46,10 @@ pub struct SceneState {
     pub last_report: Option<FrameReport>,
     fill: FillBudget,
     threads: Option<usize>,
+    /// Values that a look needs and that the points came without.
+    pub rereading: Rereading,
     /// Size of the picture that could not be drawn; another may do.
-    undrawable: Option<([u32; 2], bool)>,
+    undrawable: Option<([u32; 2], bool, bool)>,
     /// The picture that is being taken for a file.
     pub shot: Option<ShotOptions>,
 }
@@ -82,8 +85,10 @@ impl SceneState {
     pub fn new(backend: GpuBackend, options: &Options, is_software: bool) -> SceneState {
         let store = StoreOptions { seed: options.seed, ..Default::default() };
         let target = FillBudget::Target(if is_software { SOFTWARE_FRAME_SECS } else { GPU_FRAME_SECS });
+        let mut progressive = Progressive::new(backend, store);
+        progressive.set_coloring(&options.look.coloring);
         SceneState {
-            progressive: Progressive::new(backend, store),
+            progressive,
             loading: None,
             incoming: None,
             inputs: Vec::new(),
@@ -91,6 +96,7 @@ impl SceneState {
             last_report: None,
             fill: options.fill.map_or(target, FillBudget::Fixed),
             threads: options.threads,
+            rereading: Rereading::default(),
             undrawable: None,
             shot: None,
         }
@@ -98,30 +104,31 @@ impl SceneState {
 
     /// Starts to read; what is on screen stays until the new headers are known. Files that are added are read together
     /// with those on screen, all of them anew: scenes have one grid.
-    pub fn open(&mut self, ctx: &Context, inputs: Vec<PathBuf>, add: bool) {
+    pub fn open(&mut self, ctx: &Context, inputs: Vec<PathBuf>, add: bool, settings: &Settings) {
         if !add || self.loading.is_none() {
-            return self.start(ctx, inputs, false);
+            return self.start(ctx, inputs, false, settings);
         }
         let mut all = self.inputs.clone();
         all.extend(inputs.into_iter().filter(|input| !self.inputs.contains(input)));
-        self.start(ctx, all, true);
+        self.start(ctx, all, true, settings);
     }
 
     /// Takes one file away; the others are read anew.
-    pub fn close_file(&mut self, ctx: &Context, file: usize) {
+    pub fn close_file(&mut self, ctx: &Context, file: usize, settings: &Settings) {
         let Some(scene) = self.loading.as_ref().and_then(Loading::scene) else { return };
         // A folder is no more than its files from here on.
         let others = scene.files.iter().enumerate().filter(|(i, _)| *i != file);
         let others: Vec<PathBuf> = others.map(|(_, file)| file.path.clone()).collect();
         if !others.is_empty() {
-            self.start(ctx, others, true);
+            self.start(ctx, others, true, settings);
         }
     }
 
-    fn start(&mut self, ctx: &Context, inputs: Vec<PathBuf>, keeps_view: bool) {
+    fn start(&mut self, ctx: &Context, inputs: Vec<PathBuf>, keeps_view: bool, settings: &Settings) {
         let ctx = ctx.clone();
         let wake = Arc::new(move || ctx.request_repaint());
-        let loading = Loading::start(&inputs, self.threads, wake);
+        let carried = settings.look.attributes();
+        let loading = Loading::start(&inputs, self.threads, carried, wake);
         self.incoming = Some(Incoming { loading, inputs, keeps_view });
     }
 
@@ -143,10 +150,15 @@ impl SceneState {
                 for warning in &scene.warnings {
                     messages.add(Severity::Note, warning.as_str());
                 }
+                for absence in self.progressive.coloring().absences(&scene) {
+                    messages.add(Severity::Note, absence);
+                }
                 let title = format!("{} – firstlight", title(&scene, inputs));
                 ctx.send_viewport_cmd(ViewportCommand::Title(title));
                 let mut navigation = Navigation::new(scene.grid, &scene.bounds, size);
                 self.progressive.open(scene);
+                self.progressive.carry(loading.carried.iter().cloned());
+                self.rereading = Rereading::default();
                 self.undrawable = None;
                 self.last_report = None;
                 self.shot = None;
@@ -195,11 +207,48 @@ impl SceneState {
         again
     }
 
+    /// Sees to it that the values that the look takes are read, and lets them in; true if there may be more.
+    fn take_values(&mut self, ctx: &Context, messages: &mut Messages, settings: &Settings) -> bool {
+        if self.progressive.coloring() != &settings.look.coloring {
+            self.progressive.set_coloring(&settings.look.coloring);
+            self.say_absences(messages, settings);
+        }
+        let wanted = settings.look.attributes();
+        let wake = || {
+            let ctx = ctx.clone();
+            Arc::new(move || ctx.request_repaint()) as Arc<dyn Fn() + Send + Sync>
+        };
+        self.rereading.follow(&mut self.progressive, &wanted, self.threads, wake);
+        match self.rereading.drain(&mut self.progressive, DRAIN_TIME) {
+            Ok(again) => again,
+            Err(error) => {
+                messages.add(Severity::Error, sentence(&error));
+                false
+            }
+        }
+    }
+
+    /// Says which files lack what the points are to be coloured by.
+    fn say_absences(&self, messages: &mut Messages, settings: &Settings) {
+        if let Some(scene) = self.progressive.scene() {
+            for absence in settings.look.coloring.absences(scene) {
+                messages.add(Severity::Note, absence);
+            }
+        }
+    }
+
     /// Lets points in and draws.
-    pub fn advance(&mut self, messages: &mut Messages, settings: &Settings, window_size: [u32; 2]) -> Advance {
-        let again = self.take_points(messages);
+    pub fn advance(
+        &mut self,
+        ctx: &Context,
+        messages: &mut Messages,
+        settings: &Settings,
+        window_size: [u32; 2],
+    ) -> Advance {
+        let mut again = self.take_points(messages);
+        again |= self.take_values(ctx, messages, settings);
         let size = self.shot.as_ref().filter(|shot| shot.wait).map_or(window_size, |shot| shot.size);
-        let key = (size, settings.look.shading.high_quality);
+        let key = (size, settings.look.shading.high_quality, settings.look.shows_all());
         if size.contains(&0) || self.undrawable == Some(key) {
             return Advance { again, drawn: false };
         }
@@ -212,8 +261,8 @@ impl SceneState {
                 return Advance { again, drawn: false };
             }
         };
-        self.progressive.set_coloring(&settings.look.coloring);
         let shading = settings.shading();
+        self.progressive.set_filter(&settings.look.filter, &settings.look.clip);
         match self.progressive.frame(&FrameRequest { view, fill: self.fill, shading }) {
             Ok(report) => {
                 self.last_report = Some(report);
@@ -290,6 +339,7 @@ impl SceneState {
     pub fn close(&mut self) {
         self.incoming = None;
         self.loading = None;
+        self.rereading = Rereading::default();
     }
 }
 

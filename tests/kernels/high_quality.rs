@@ -122,6 +122,7 @@ fn draw_all(backend: &mut Summing, cloud: &Cloud, view: View) -> (Vec<[u64; 4]>,
         shading: request.shading,
         colors: Arc::new(vec![FileColor::new(0, ColorRule::Rgb16)].into()),
         averaging: Some(Averaging { begins: true, lists: false, slots: [0..count, 0..0] }),
+        mask: None,
         aside: false,
     };
     target.draw(&plan).unwrap();

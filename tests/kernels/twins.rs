@@ -113,6 +113,7 @@ fn insertion_equals_its_twin() {
                 fill: [0..0, 0..0],
                 shading: Shading::default(),
                 colors: Arc::new(vec![FileColor::new(0, ColorRule::Rgb16)].into()),
+                mask: None,
                 aside: false,
             };
             backend.draw(&plan).unwrap();

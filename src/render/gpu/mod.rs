@@ -7,6 +7,7 @@ mod columns;
 mod compute;
 mod hardware;
 mod index;
+mod mask;
 mod measure;
 mod pick;
 mod probe;
@@ -20,6 +21,7 @@ use self::{
     compute::{ComputeRaster, Kernels},
     hardware::HardwareRaster,
     index::IndexBuild,
+    mask::Mask,
     measure::Chooser,
     pick::Picker,
     resolve::{ColorSource, Resolve},
@@ -62,6 +64,11 @@ pub struct GpuBackend {
     clear: wgpu::ComputePipeline,
     binder: SourceBinder,
     rasterizer: Rasterizer,
+    /// The rasterizer draws only what a filter shows.
+    masked: bool,
+    /// Once a filter was set.
+    mask: Option<Mask>,
+    stored: u32,
     chooser: Chooser,
     index: IndexBuild,
     resolve: Resolve,
@@ -109,7 +116,7 @@ impl GpuBackend {
         let binder = SourceBinder::new(&device);
         let kernels = Kernels::new(&layouts, &store, &binder);
         let mut chooser = Chooser::new(kernels, adapter.device_type, choice, candidates);
-        let rasterizer = chooser.rasterizer(&device, &store, candidate);
+        let rasterizer = chooser.rasterizer(&device, &store, candidate, false);
         let resolve = Resolve::new(&device, &layouts, &store.pages);
         let lost = std::sync::Arc::<std::sync::Mutex<Option<String>>>::default();
         let loss = lost.clone();
@@ -134,6 +141,9 @@ impl GpuBackend {
             clear: kernel::compute(&device, &shaders::CLEAR.module(&device), "clear", &[&layouts.write]),
             binder,
             rasterizer,
+            masked: false,
+            mask: None,
+            stored: 0,
             chooser,
             index: IndexBuild::new(&device, &layouts),
             columns: Columns::new(&device, &queue, &layouts, &resolve.layout_colors),
@@ -168,14 +178,23 @@ impl GpuBackend {
         self.resolve.set_encoding(&self.device, &self.layouts, &self.store.pages);
         // Its sums are those of a scene that is gone, or that has grown since.
         self.average = None;
-        let candidate = self.info.choice.as_ref().map_or(Candidate::new(self.info.method), |choice| choice.candidate);
-        self.rasterizer = self.chooser.rasterizer(&self.device, &self.store, candidate);
-        if let (Rasterizer::Hardware(raster), Some(targets)) = (&mut self.rasterizer, &self.targets) {
+        // It is made anew for the next frame with a filter.
+        self.mask = None;
+        self.take_rasterizer(self.masked)
+    }
+
+    /// Makes the rasterizer of the candidate chosen, for the store's encoding. `masked`: it looks at a filter's bits.
+    fn take_rasterizer(&mut self, masked: bool) -> Result<(), RenderError> {
+        let candidate = self.current();
+        let mut rasterizer = self.chooser.rasterizer(&self.device, &self.store, candidate, masked);
+        if let (Rasterizer::Hardware(raster), Some(targets)) = (&mut rasterizer, &self.targets) {
             let [width, height] = targets.size;
             raster
                 .resize(&self.device, &self.view, &targets.words, targets.size)
                 .map_err(|detail| RenderError::NoMemoryForPicture { width, height, detail })?;
         }
+        self.rasterizer = rasterizer;
+        self.masked = masked;
         Ok(())
     }
 
@@ -194,6 +213,10 @@ impl GpuBackend {
         self.columns.record_fill(encoder);
         if self.store.pending_insertions() > 0 {
             self.store.record(&mut self.timer.compute_pass(encoder, Stage::Insert));
+        }
+        if let (Some(mask), Some(rules)) = (&mut self.mask, &plan.mask) {
+            let mut pass = self.timer.compute_pass(encoder, Stage::Insert);
+            mask.record(&self.device, &self.queue, &mut pass, &self.store, &self.columns, rules, self.stored);
         }
         if !plan.keeps_depths {
             self.record_clear(encoder, targets);
@@ -245,13 +268,42 @@ impl GpuBackend {
         let size = [plan.view.width, plan.view.height];
         let sums = average::sums_for(&self.device, u64::from(size[0]) * u64::from(size[1]));
         let average = match self.average.take() {
-            Some(average) if average.sums == sums => average,
+            Some(average) if average.sums == sums && average.masked == self.masked => average,
             _ => {
                 let layout_colors = &self.resolve.layout_colors;
-                Average::new(&self.device, sums, &self.store.pages, &self.resolve.tables, layout_colors)
+                Average::new(&self.device, sums, self.masked, &self.store.pages, &self.resolve.tables, layout_colors)
             }
         };
         self.average.insert(average).resize(&self.device, size)
+    }
+
+    /// Gives the pages bits for a filter, or takes them away, and takes the rasterizer that looks at them, or not.
+    fn prepare_mask(&mut self, plan: &FramePlan) -> Result<(), RenderError> {
+        let on = plan.mask.is_some();
+        if on != self.store.pages.is_masked() {
+            let points = self.stored.into();
+            let full = |detail| RenderError::NoMemoryForFilter { points, detail };
+            self.store.pages.set_masked(&self.device, on).map_err(full)?;
+            self.mask.as_mut().map(Mask::forget);
+        }
+        if on && self.mask.is_none() {
+            self.mask = Some(Mask::new(&self.device, &self.store, &self.columns));
+        }
+        if on != self.masked {
+            self.take_rasterizer(on)?;
+        }
+        Ok(())
+    }
+
+    /// Which slots a filter hides, in order; empty without a filter. For tests; waits for the device.
+    pub fn read_hidden(&self) -> Result<Vec<bool>, RenderError> {
+        let mut hidden = Vec::new();
+        for page in self.store.pages.iter().filter(|_| self.masked) {
+            let words = kernel::read_words(&self.device, &self.queue, &page.hidden)?;
+            hidden.extend((0..page.len).map(|slot| words[slot as usize / 32] >> (slot % 32) & 1 == 1));
+        }
+        hidden.truncate(self.stored as usize);
+        Ok(hidden)
     }
 
     /// The sums of high-quality shading in the last frame that had any: red, green, blue and fragments of
@@ -292,6 +344,8 @@ impl Backend for GpuBackend {
 
     fn reset(&mut self, points: u64, packing: Option<Packing>) {
         self.store.reset(points, packing.filter(|_| self.encoding == Encoding::Packed));
+        self.stored = 0;
+        self.mask.as_mut().map(Mask::forget);
         self.chooser.reset(points);
         self.columns.reset(points);
     }
@@ -303,7 +357,8 @@ impl Backend for GpuBackend {
     fn insert(&mut self, insertion: &Insertion, points: &PointBatch) -> Result<(), RenderError> {
         self.check_device()?;
         self.store.upload(insertion, points)?;
-        self.chooser.stored = insertion.old + insertion.new;
+        self.stored = insertion.old + insertion.new;
+        self.chooser.stored = self.stored;
         Ok(())
     }
 
@@ -346,6 +401,7 @@ impl Backend for GpuBackend {
         self.check_device()?;
         self.resize([plan.view.width, plan.view.height])?;
         self.follow_encoding()?;
+        self.prepare_mask(plan)?;
         self.prepare_average(plan)?;
         let Some(targets) = self.targets.take() else { unreachable!("just made") };
         let mut encoder = self.device.create_command_encoder(&Default::default());
@@ -385,6 +441,11 @@ impl Backend for GpuBackend {
         // An error here is a lost device, which the next frame reports.
         let _ = self.device.poll(wgpu::PollType::Poll);
         self.timer.take()
+    }
+
+    fn points_shown(&mut self) -> Option<u64> {
+        let mask = self.mask.as_mut().filter(|_| self.masked)?;
+        mask.points_shown(&self.device, &self.queue)
     }
 
     fn choose(&mut self) -> Result<(), RenderError> {

@@ -51,12 +51,19 @@ pub struct Page {
     pub attributes: wgpu::Buffer,
     /// Record number of each point.
     pub records: wgpu::Buffer,
+    /// One bit for each point that a filter hides; four bytes while there is none.
+    pub hidden: wgpu::Buffer,
+    uniform: wgpu::Buffer,
     /// Everything, for the kernels that move points.
     pub bind_all: wgpu::BindGroup,
-    /// Positions alone, for the rasterizers.
+    /// Positions and what is hidden, for the rasterizers.
     pub bind_positions: wgpu::BindGroup,
-    /// Everything, read only, for the resolve pass.
+    /// Everything but what is hidden, read only, for the resolve pass.
     pub bind_resolve: wgpu::BindGroup,
+    /// Everything, read only, for averages.
+    pub bind_average: wgpu::BindGroup,
+    /// Everything, with what is hidden to be written; none without a filter.
+    pub bind_mask: Option<wgpu::BindGroup>,
 }
 
 /// All pages, and the layouts of their bind groups.
@@ -66,9 +73,14 @@ pub struct Pages {
     packing: Option<Packing>,
     page_points: u32,
     max_page_points: u32,
+    /// A filter is set: pages have a bit for each point.
+    is_masked: bool,
+    no_mask: wgpu::Buffer,
     pub layout_all: wgpu::BindGroupLayout,
     pub layout_positions: wgpu::BindGroupLayout,
     pub layout_resolve: wgpu::BindGroupLayout,
+    pub layout_average: wgpu::BindGroupLayout,
+    pub layout_mask: wgpu::BindGroupLayout,
 }
 
 impl Pages {
@@ -84,8 +96,12 @@ impl Pages {
             page_points: MIN_PAGE_POINTS,
             max_page_points: (bytes / WIDE_BYTES).min(MAX_PAGE_POINTS.into()) as u32,
             layout_all: layout("page", compute, &[Uniform, ReadWrite, ReadWrite, ReadWrite]),
-            layout_positions: layout("page positions", compute | wgpu::ShaderStages::VERTEX, &[Uniform, Read]),
+            layout_positions: layout("page positions", compute | wgpu::ShaderStages::VERTEX, &[Uniform, Read, Read]),
             layout_resolve: layout("page attributes", compute, &[Uniform, Read, Read, Read]),
+            layout_average: layout("page averages", compute, &[Uniform, Read, Read, Read, Read]),
+            layout_mask: layout("page mask", compute, &[Uniform, Read, Read, Read, ReadWrite]),
+            is_masked: false,
+            no_mask: kernel::buffer(device, "no mask", 4, BufferUsages::STORAGE),
         }
     }
 
@@ -106,6 +122,36 @@ impl Pages {
 
     pub fn encoding(&self) -> Encoding {
         if self.packing.is_some() { Encoding::Packed } else { Encoding::Wide }
+    }
+
+    /// Whether pages have a bit for each point, to hide it.
+    pub fn is_masked(&self) -> bool {
+        self.is_masked
+    }
+
+    /// Gives all pages bits, of which none is set, or takes them away.
+    ///
+    /// # Errors
+    /// The device's message if it has no memory for them; nothing has changed then.
+    pub fn set_masked(&mut self, device: &wgpu::Device, on: bool) -> Result<(), String> {
+        let masks = self.pages.iter().map(|page| self.mask(device, page.len, on)).collect::<Result<Vec<_>, _>>()?;
+        self.is_masked = on;
+        for (index, hidden) in masks.into_iter().enumerate() {
+            let Page { first, len, uniform, positions, attributes, records, .. } = &self.pages[index];
+            let columns = [uniform, positions, attributes, records].map(wgpu::Buffer::clone);
+            self.pages[index] = self.bound(device, [*first, *len], columns, hidden);
+        }
+        Ok(())
+    }
+
+    fn mask(&self, device: &wgpu::Device, points: u32, on: bool) -> Result<wgpu::Buffer, String> {
+        if !on {
+            return Ok(self.no_mask.clone());
+        }
+        let bytes = u64::from(points.div_ceil(32)) * 4;
+        kernel::in_memory(device, || {
+            kernel::buffer(device, "hidden", bytes, BufferUsages::STORAGE | BufferUsages::COPY_SRC)
+        })
     }
 
     pub fn iter(&self) -> std::slice::Iter<'_, Page> {
@@ -158,29 +204,48 @@ impl Pages {
                 column(device, "records", len, RECORD_BYTES),
             ]
         })?;
-        Ok(self.bind(device, queue, [first, len], [positions, attributes, records]))
+        let hidden = self.mask(device, len, self.is_masked)?;
+        let uniform = self.uniform(device, queue, first, len);
+        Ok(self.bound(device, [first, len], [uniform, positions, attributes, records], hidden))
     }
 
-    /// The page of these columns, in the encoding that the store has now.
-    fn bind(
-        &self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        [first, len]: [u32; 2],
-        [positions, attributes, records]: [wgpu::Buffer; 3],
-    ) -> Page {
+    /// A page's uniform, in the encoding that the store has now.
+    fn uniform(&self, device: &wgpu::Device, queue: &wgpu::Queue, first: u32, len: u32) -> wgpu::Buffer {
         let uniform = kernel::uniform(device, "page", size_of::<PageUniform>() as u64);
         queue.write_buffer(&uniform, 0, bytemuck::bytes_of(&PageUniform::new(self.packing, first, len)));
-        let all = [&uniform, &positions, &attributes, &records];
+        uniform
+    }
+
+    /// A page of these columns: its uniform, positions, attributes and records.
+    fn bound(
+        &self,
+        device: &wgpu::Device,
+        [first, len]: [u32; 2],
+        columns: [wgpu::Buffer; 4],
+        hidden: wgpu::Buffer,
+    ) -> Page {
+        let [uniform, positions, attributes, records] = &columns;
+        let all = [uniform, positions, attributes, records, &hidden];
+        let bind = |label, layout, buffers: &[&wgpu::Buffer]| kernel::bind_buffers(device, label, layout, buffers);
+        let bind_all = bind("page", &self.layout_all, &all[..4]);
+        let bind_positions = bind("page positions", &self.layout_positions, &[uniform, positions, &hidden]);
+        let bind_resolve = bind("page attributes", &self.layout_resolve, &all[..4]);
+        let bind_average = bind("page averages", &self.layout_average, &all);
+        let bind_mask = self.is_masked.then(|| bind("page mask", &self.layout_mask, &all));
+        let [uniform, positions, attributes, records] = columns;
         Page {
             first,
             len,
-            bind_all: kernel::bind_buffers(device, "page", &self.layout_all, &all),
-            bind_positions: kernel::bind_buffers(device, "page positions", &self.layout_positions, &all[..2]),
-            bind_resolve: kernel::bind_buffers(device, "page attributes", &self.layout_resolve, &all),
             positions,
             attributes,
             records,
+            hidden,
+            uniform,
+            bind_all,
+            bind_positions,
+            bind_resolve,
+            bind_average,
+            bind_mask,
         }
     }
 
@@ -212,7 +277,9 @@ impl Pages {
             pass.set_bind_group(1, &page.bind_positions, &[]);
             kernel::dispatch(&mut pass, slots);
             drop(pass);
-            widened.push(self.bind(device, queue, [page.first, page.len], [wide, page.attributes, page.records]));
+            let uniform = self.uniform(device, queue, page.first, page.len);
+            let columns = [uniform, wide, page.attributes, page.records];
+            widened.push(self.bound(device, [page.first, page.len], columns, page.hidden));
         }
         queue.submit([encoder.finish()]);
         self.pages = widened;
