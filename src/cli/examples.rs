@@ -13,7 +13,7 @@ pub const RENDER: &str = "\
 Examples:
   firstlight render scan.laz -o scan.png
   firstlight render scans/ -o all.png --size 3840x2160 --hq
-  firstlight render scan.laz -o ground.png --filter class=2 --background '#ffffff'
+  firstlight render scan.laz -o ground.png --filter class=2,9 --filter return=1
   firstlight render scan.laz -o trees.png --filter 'class!=2,6,7,18' --filter elevation=210..255.5
   firstlight render strips/ -o second.png --filter file=1 --filter gps-time=315964800.5..315964900
   firstlight render scan.laz -o house.png --clip 456000,5412000,200,456040,5412025,230,30

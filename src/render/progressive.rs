@@ -141,8 +141,8 @@ impl<B: Backend> Progressive<B> {
         self.undrawn = 0;
         self.memory_full = false;
         self.last_view = None;
-        self.words_stand = false;
         self.selection.is_stale = true;
+        self.words_stand = false;
     }
 
     /// True if the next frame could insert more points than are waiting.

@@ -330,6 +330,10 @@ impl Backend for CpuBackend {
         self.times.take()
     }
 
+    fn points_shown(&mut self) -> Option<u64> {
+        self.mask.points_shown()
+    }
+
     fn pick(&mut self, at: PickAt) -> Option<PickTicket> {
         let is_inside = at.pixel[0] < self.width && at.pixel[1] < self.height;
         is_inside.then(|| self.picks.open(pick::pick(&self.words, self.width, &self.store, at)).0)
@@ -337,10 +341,6 @@ impl Backend for CpuBackend {
 
     fn picked(&mut self, ticket: PickTicket) -> Option<Option<Pick>> {
         Some(self.picks.close(ticket).flatten())
-    }
-
-    fn points_shown(&mut self) -> Option<u64> {
-        self.mask.points_shown()
     }
 
     fn wait(&mut self) -> Result<(), RenderError> {
