@@ -1,9 +1,7 @@
 //! Mouse and keys to camera moves.
 
 use eframe::egui::{Context, Key, PointerButton, Pos2, Response};
-use glam::DVec2;
-
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::{
     keys::Command,

@@ -7,7 +7,8 @@ use eframe::egui::{
 
 use super::{
     format::{count, duration, percent},
-    settings::{Ask, Settings},
+    navigation::StandardView,
+    settings::Settings,
 };
 use crate::render::{Choice, Clock};
 

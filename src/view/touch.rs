@@ -105,8 +105,8 @@ impl Touch {
             return;
         }
         settings.obey(command);
-        let facts = scene.facts();
-        if let (Some(navigation), Some(facts)) = (&mut scene.navigation, facts) {
+        let facts = scene.facts().cloned();
+        if let (Some(navigation), Some(facts)) = (&mut scene.navigation, &facts) {
             let cursor = picture.map_or(DVec2::ZERO, |picture| self.hand.cursor(ctx, picture, navigation));
             self.hand.obey(command, ctx, navigation, cursor, settings.smooth);
             self.tools.obey(command, ctx, facts, cursor, &mut settings.look.clip);

@@ -252,8 +252,13 @@ impl Tools {
         cursor: Option<DVec2>,
     ) {
         let ctx = ui.ctx().clone();
-        let sheet =
-            Sheet { painter: ui.painter_at(rect), rect, navigation, pixels_per_point: ctx.pixels_per_point().into() };
+        let sheet = Sheet {
+            painter: ui.painter_at(rect),
+            rect,
+            free,
+            navigation,
+            pixels_per_point: ctx.pixels_per_point().into(),
+        };
         let has_handle = self.clipping.show(ui, &sheet, self.tool, facts, clip);
         for line in &self.lines {
             draw_line(&sheet, line, facts, None);
