@@ -88,10 +88,11 @@ impl ColorArgs {
 }
 
 /// Which field of [`Look`] an option sets, as a JSON pointer.
-const FIELDS: [(&str, &str); 14] = [
+const FIELDS: [(&str, &str); 15] = [
     ("point_size", "/point_size"),
     ("edl", "/shading/edl_strength"),
     ("hq", "/shading/high_quality"),
+    ("background", "/shading/background"),
     ("filter", "/filter"),
     ("clip", "/clip/bounds"),
     ("slab", "/clip/slab"),

@@ -5,15 +5,21 @@ use std::{
     time::{Duration, Instant},
 };
 
+use eframe::{
+    egui::{self, Color32, Context, Event, FontId, Id, Key, Modifiers, Rect, Sense, TextStyle, Ui},
+    egui_wgpu::RenderState,
+};
+
 use super::{
     Options,
     blit::Blit,
     dialogs::{Chosen, Dialogs},
     help,
     keys::Command,
+    legend,
     loading::Loading,
     messages::{Messages, Severity},
-    models,
+    models::{self, Spread},
     navigation::StandardView,
     overlay::{self, Averages, Status},
     pace::Pace,
@@ -25,10 +31,9 @@ use super::{
     settings::{Section, Settings},
     touch::Touch,
 };
-use crate::render::{Backend, FillBudget, GpuBackend, RenderError};
-use eframe::{
-    egui::{self, Color32, Context, Event, Id, Key, Modifiers, Rect, Sense, Ui},
-    egui_wgpu::RenderState,
+use crate::{
+    render::{Backend, FillBudget, GpuBackend, RenderError},
+    scene::Attribute,
 };
 
 /// How often the numbers are brought up to date while nothing else asks for a frame.
@@ -51,6 +56,7 @@ pub struct App {
     share: Share,
     performance: Performance,
     writing: Option<Writing>,
+    spread: Spread,
     on_wayland: bool,
 }
 
@@ -66,6 +72,9 @@ impl App {
         let software = state.adapter.get_info().device_type == wgpu::DeviceType::Cpu;
         let settings = Settings::new(&options, &remembered);
         ctx.set_theme(settings.theme.preference());
+        // egui's usual 9 points are hard to read.
+        let small = FontId::proportional(11.0);
+        ctx.all_styles_mut(|style| drop(style.text_styles.insert(TextStyle::Small, small.clone())));
         let mut app = App {
             scene: SceneState::new(backend, &options, software),
             blit: Blit::new(&state.device, state.target_format),
@@ -82,6 +91,7 @@ impl App {
             share: Share { wait: true, ..Default::default() },
             performance: Performance::default(),
             writing: None,
+            spread: Spread::default(),
             on_wayland: super::is_on_wayland(),
         };
         if !options.inputs.is_empty() {
@@ -146,8 +156,16 @@ impl App {
                 panels::files::forget_file(&mut self.settings.look.filter, files, file);
                 self.scene.close_file(ctx, file, &self.settings);
             }
+            Request::Read(attribute) => self.scene.ask_for(attribute),
             Request::ForgetRecent => self.remembered.recent.clear(),
             Request::Screenshot(options) => self.begin_shot(options),
+            Request::CopyCommand => {
+                let size = self.share.size.unwrap_or(self.size);
+                if let Some(command) = models::command(&self.scene, &self.settings, size) {
+                    log::debug!("copied {command}");
+                    ctx.copy_text(command);
+                }
+            }
             Request::StopScreenshot => self.scene.shot = None,
             Request::ClearMessages => self.messages.clear(),
         }
@@ -194,6 +212,7 @@ impl App {
     /// Keys of the window itself; those of the picture are `input`'s.
     fn window_keys(&mut self, ctx: &Context) -> Vec<Request> {
         let ctrl_shift = Modifiers::COMMAND | Modifiers::SHIFT;
+        let is_typing = ctx.egui_wants_keyboard_input();
         let mut requests = Vec::new();
         ctx.input_mut(|i| {
             let add = self.typed.add;
@@ -203,8 +222,19 @@ impl App {
             if i.consume_key(Modifiers::COMMAND, Key::O) {
                 requests.push(Request::Choose { what: Choose::Files, add });
             }
+            if i.consume_key(ctrl_shift, Key::C) {
+                requests.push(Request::CopyCommand);
+            }
             if i.consume_key(Modifiers::COMMAND, Key::S) {
+                self.share.window_size = self.size;
                 requests.push(Request::Screenshot(self.share.options()));
+            }
+            if !is_typing {
+                let forward = i.consume_key(Modifiers::NONE, Key::V);
+                if forward || i.consume_key(Modifiers::SHIFT, Key::V) {
+                    self.spread.colors.step(&mut self.settings.look.coloring, forward);
+                    log::debug!("colours by {}", self.settings.look.coloring.by);
+                }
             }
             if i.consume_key(Modifiers::NONE, Key::F6) {
                 self.settings.panel = true;
@@ -269,10 +299,13 @@ impl App {
         if self.settings.sections.contains(&Section::Performance) {
             models::measure(&mut self.performance, &self.scene, &self.device, Instant::now());
         }
-        let files = models::files(&self.scene, &self.remembered.recent, self.on_wayland);
-        models::share(&mut self.share, &self.scene, self.size, self.writing.is_some());
+        let by_file = self.settings.look.coloring.by == Attribute::File.into();
+        let files = models::files(&self.scene, &self.remembered.recent, by_file, self.on_wayland);
+        models::share(&mut self.share, &self.scene, &self.settings, self.size, self.writing.is_some());
         let mut model = panels::Model {
             files: &files,
+            colors: &self.spread.colors,
+            filters: &self.spread.filters,
             performance: &self.performance,
             share: &mut self.share,
             messages: &self.messages,
@@ -298,6 +331,11 @@ impl App {
             let waiting_for = waiting_for.map(|path| scene_state::name(path));
             let background = self.settings.look.shading.background;
             overlay::invitation(ui, rect, waiting_for.as_deref(), background, self.on_wayland);
+        }
+        if self.settings.legend
+            && let Some(legend) = &self.spread.legend
+        {
+            legend::show(ui, rect, legend);
         }
         if self.settings.help {
             help::show(ui.ctx(), &mut self.settings);
@@ -406,6 +444,7 @@ impl eframe::App for App {
             requests.push(Request::Open { inputs: dropped, add });
         }
         self.take_dialog(&ctx);
+        self.spread.refresh(&ctx, &mut self.scene, &self.settings);
         requests.extend(self.show_panel(ui));
         let obeyed = !requests.is_empty();
         for request in requests {

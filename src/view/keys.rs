@@ -211,6 +211,7 @@ pub const ROWS: &[Row] = &[
             (sign(Key::Plus), Command::LargerPoints),
         ],
     ),
+    row(Section::Show, "V, Shift+V", "the next colours, the ones before", &[]),
     row(Section::Show, "L", "eye-dome lighting on or off", &[(plain(Key::L), Command::ToggleLighting)]),
     row(Section::Show, "B", "high quality (blends near points) on or off", &[(plain(Key::B), Command::ToggleQuality)]),
     row(Section::Files, "Ctrl+O", "open files", &[]),

@@ -11,6 +11,7 @@ mod format;
 mod help;
 mod input;
 mod keys;
+mod legend;
 mod loading;
 mod messages;
 mod models;

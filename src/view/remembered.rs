@@ -15,7 +15,10 @@ use super::{
     navigation::Bookmarks,
     settings::{Section, Theme},
 };
-use crate::render::{Clip, Filter, Look};
+use crate::{
+    render::{Clip, ColorBy, Coloring, Filter, Look},
+    scene::Attribute,
+};
 
 /// Names another settings file; empty: none is read or written.
 pub const SETTINGS_VARIABLE: &str = "FIRSTLIGHT_SETTINGS";
@@ -41,6 +44,7 @@ pub struct Remembered {
     pub theme: Theme,
     /// The camera goes to views on a short way.
     pub smooth: bool,
+    pub legend: bool,
     /// Width and height of the window, in points.
     pub window: [f32; 2],
     /// Files and folders, the last opened first.
@@ -57,9 +61,10 @@ impl Default for Remembered {
             bar: true,
             panel: true,
             panel_width: 300.0,
-            sections: vec![Section::Files, Section::Look],
+            sections: vec![Section::Files, Section::Color, Section::Look],
             theme: Theme::default(),
             smooth: true,
+            legend: true,
             window: [1280.0, 800.0],
             recent: Vec::new(),
             bookmarks: Vec::new(),
@@ -82,6 +87,7 @@ impl Remembered {
             sections: field(&mut map, "sections", default.sections),
             theme: field(&mut map, "theme", default.theme),
             smooth: field(&mut map, "smooth", default.smooth),
+            legend: field(&mut map, "legend", default.legend),
             window: field(&mut map, "window", default.window).map(|side: f32| side.clamp(160.0, 16_384.0)),
             recent: field(&mut map, "recent", Vec::new()),
             bookmarks: field(&mut map, "bookmarks", Vec::new()),
@@ -90,7 +96,11 @@ impl Remembered {
 
     /// A look without what belongs to one scan.
     pub fn set_look(&mut self, look: &Look) {
-        self.look = Some(Look { filter: Filter::default(), clip: Clip::default(), ..look.clone() });
+        let mut coloring = Coloring { range: None, ..look.coloring.clone() };
+        if matches!(coloring.by, ColorBy::Attribute(Attribute::Extra(_))) {
+            coloring.by = ColorBy::Auto;
+        }
+        self.look = Some(Look { coloring, filter: Filter::default(), clip: Clip::default(), ..look.clone() });
     }
 
     /// Bookmarks of the scene that begins with this file.

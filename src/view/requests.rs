@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use super::screenshot::ShotOptions;
+use crate::scene::Attribute;
 
 #[derive(Debug, Clone, PartialEq)]
 pub enum Request {
@@ -22,9 +23,13 @@ pub enum Request {
     StopReading,
     /// Take one file away.
     CloseFile(usize),
+    /// Reads an attribute of all points.
+    Read(Attribute),
     ForgetRecent,
     Screenshot(ShotOptions),
     StopScreenshot,
+    /// The command that makes this picture.
+    CopyCommand,
     ClearMessages,
 }
 

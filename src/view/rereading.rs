@@ -27,9 +27,15 @@ pub struct Rereading {
 struct Running {
     stream: Stream,
     attributes: Vec<Attribute>,
+    points: u64,
 }
 
 impl Rereading {
+    /// What is being read, and how many of its points have come.
+    pub fn progress(&self) -> Option<(&[Attribute], u64)> {
+        self.running.as_ref().map(|running| (&running.attributes[..], running.points))
+    }
+
     /// Begins to read what is wanted and lacking, together with what is wanted and being read.
     pub fn follow<B: Backend>(
         &mut self,
@@ -50,7 +56,7 @@ impl Rereading {
             OpenOptions { threads, fields: Some(Fields::of(&attributes)), wake: Some(wake()), ..Default::default() };
         let stream = source::open(&inputs, options);
         progressive.begin_values(attributes.clone());
-        self.running = Some(Running { stream, attributes });
+        self.running = Some(Running { stream, attributes, points: 0 });
     }
 
     /// Lets values in until the time is up; true if there may be more.
@@ -71,6 +77,7 @@ impl Rereading {
                     }
                 }
                 Ok(Event::Batch(batch)) => {
+                    running.points += batch.len() as u64;
                     let taken = progressive.offer_values(&batch);
                     running.stream.recycle(batch);
                     if let Err(error) = taken {

@@ -22,7 +22,7 @@ use crate::{
         Backend, CameraError, FillBudget, FrameReport, FrameRequest, GpuBackend, Picture, Progressive, RenderError,
         StoreOptions, View,
     },
-    scene::SceneFacts,
+    scene::{Attribute, SceneFacts},
 };
 
 /// Time that a frame may spend on taking batches from the decoders.
@@ -52,6 +52,8 @@ pub struct SceneState {
     undrawable: Option<([u32; 2], bool, bool)>,
     /// The picture that is being taken for a file.
     pub shot: Option<ShotOptions>,
+    /// Attributes that the panel asks for, besides those of the look.
+    asked: Vec<Attribute>,
 }
 
 /// A scene whose headers are being read.
@@ -99,6 +101,7 @@ impl SceneState {
             rereading: Rereading::default(),
             undrawable: None,
             shot: None,
+            asked: Vec::new(),
         }
     }
 
@@ -159,6 +162,7 @@ impl SceneState {
                 self.progressive.open(scene);
                 self.progressive.carry(loading.carried.iter().cloned());
                 self.rereading = Rereading::default();
+                self.asked.clear();
                 self.undrawable = None;
                 self.last_report = None;
                 self.shot = None;
@@ -174,6 +178,13 @@ impl SceneState {
             }
         }
         Taken::Nothing
+    }
+
+    /// Reads the values of one more attribute.
+    pub fn ask_for(&mut self, attribute: Attribute) {
+        if !self.asked.contains(&attribute) {
+            self.asked.push(attribute);
+        }
     }
 
     /// Stops reading; what is read stays.
@@ -213,7 +224,8 @@ impl SceneState {
             self.progressive.set_coloring(&settings.look.coloring);
             self.say_absences(messages, settings);
         }
-        let wanted = settings.look.attributes();
+        let mut wanted = settings.look.attributes();
+        wanted.extend(self.asked.iter().filter(|asked| !wanted.contains(asked)).cloned().collect::<Vec<_>>());
         let wake = || {
             let ctx = ctx.clone();
             Arc::new(move || ctx.request_repaint()) as Arc<dyn Fn() + Send + Sync>
@@ -287,7 +299,7 @@ impl SceneState {
         let is_shown = self.picture().is_some_and(|(_, size)| size == shot.size) && self.last_report.is_some();
         if shot.wait {
             let is_final = self.last_report.is_some_and(|report| report.is_converged()) && !self.is_loading();
-            if !(is_final && is_shown) {
+            if !(is_final && is_shown && self.rereading.progress().is_none()) {
                 return None;
             }
         }
@@ -318,6 +330,11 @@ impl SceneState {
     /// What the headers say of the scene on screen.
     pub fn facts(&self) -> Option<&Arc<SceneFacts>> {
         self.loading.as_ref()?.scene()
+    }
+
+    /// What the user opened.
+    pub fn inputs(&self) -> &[PathBuf] {
+        &self.inputs
     }
 
     pub fn fill_budget(&self) -> FillBudget {

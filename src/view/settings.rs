@@ -24,6 +24,8 @@ pub struct Settings {
     pub theme: Theme,
     /// The camera goes to a view that is asked for on a short way, instead of jumping there.
     pub smooth: bool,
+    /// What the colours mean, over the picture.
+    pub legend: bool,
     pub help: bool,
 }
 
@@ -32,6 +34,8 @@ pub struct Settings {
 #[serde(rename_all = "kebab-case")]
 pub enum Section {
     Files,
+    Color,
+    Filter,
     Look,
     Share,
     Performance,
@@ -83,6 +87,7 @@ impl Settings {
             sections: remembered.sections.iter().copied().collect(),
             theme: remembered.theme,
             smooth: remembered.smooth,
+            legend: remembered.legend,
             help: false,
         }
     }
@@ -97,12 +102,14 @@ impl Settings {
         remembered.sections = self.sections.iter().copied().collect();
         remembered.theme = self.theme;
         remembered.smooth = self.smooth;
+        remembered.legend = self.legend;
     }
 
     /// What belongs to one scan must not hide another one.
     pub fn forget_scene(&mut self) {
         self.look.filter = Filter::default();
         self.look.clip = Clip::default();
+        self.look.coloring.range = None;
     }
 
     /// What is drawn with.

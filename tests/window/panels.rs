@@ -7,7 +7,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use super::{PATIENCE, SOME, display::Display, one_at_a_time, viewer::Viewer};
+use super::{PATIENCE, SOME, display::Display, one_at_a_time, scan, viewer::Viewer};
 
 fn temporary(name: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name)
@@ -96,4 +96,37 @@ fn settings_are_remembered_and_pictures_saved() {
     viewer.key("Tab");
     assert!(viewer.close(PATIENCE).success());
     assert_eq!(fs::read_to_string(&settings).unwrap(), text, "nothing was remembered");
+}
+
+/// Other colours in the middle of loading: what the first reader has not read comes from a second one, and in the end
+/// the picture is that of a window which was asked for them from the start.
+#[test]
+fn colours_change_in_mid_load() {
+    let _turn = one_at_a_time();
+    let Some(display) = Display::start() else { return };
+    let scan = scan();
+    let scan = scan.to_str().unwrap();
+    let mut viewer = Viewer::start(&display, &["--threads", "1", scan]);
+    viewer.wait_for("points", PATIENCE, |v| Some(()).filter(|()| v.shot().points() > SOME));
+    while !viewer.said("colours by classification") {
+        viewer.key("v");
+    }
+    assert!(!viewer.said("read 3000000 points"), "the scan is too small: all was loaded before the key");
+    let early = viewer.shot();
+    early.save("12-classes-early");
+    viewer.wait_for_line("read 3000000 points", PATIENCE);
+    viewer.wait_for_line("at rest", PATIENCE);
+    let switched = viewer.shot_at_rest();
+    switched.save("13-classes");
+    assert!(viewer.close(PATIENCE).success());
+
+    let mut viewer = Viewer::start(&display, &["--color-by", "classification", scan]);
+    viewer.wait_for_line("read 3000000 points", PATIENCE);
+    viewer.wait_for("the same picture", PATIENCE, |v| (v.shot().difference(&switched) == 0).then_some(()));
+    // Back again: nothing has to be read.
+    let rests = viewer.count("at rest");
+    viewer.xdotool("search --onlyvisible --name firstlight windowfocus --sync key shift+v");
+    viewer.wait_for_more("at rest", rests, PATIENCE);
+    assert!(viewer.shot_at_rest().difference(&switched) > SOME);
+    assert!(viewer.close(PATIENCE).success());
 }

@@ -11,12 +11,9 @@ use super::{
         scene_state::name,
         settings::Settings,
     },
-    Typed,
+    Typed, ticks,
 };
-use crate::{
-    render::{Clause, Filter},
-    scene::Attribute,
-};
+use crate::{render::Filter, scene::Attribute};
 
 /// Files that are listed one by one; a folder may hold thousands.
 const LISTED: usize = 100;
@@ -197,7 +194,7 @@ fn file(ui: &mut Ui, number: usize, row: &Row, several: bool, filter: &mut Filte
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                 let text = RichText::new(&file_name).strong();
                 if several {
-                    let mut shown = is_shown(filter, number);
+                    let mut shown = ticks::is_shown(filter, &Attribute::File, number as u32);
                     let check = ui.add(eframe::egui::Checkbox::new(&mut shown, "")).on_hover_text("Show this file");
                     check.widget_info(|| {
                         eframe::egui::WidgetInfo::selected(
@@ -208,7 +205,7 @@ fn file(ui: &mut Ui, number: usize, row: &Row, several: bool, filter: &mut Filte
                         )
                     });
                     if check.changed() {
-                        set_shown(filter, number, shown);
+                        ticks::set_shown(filter, &Attribute::File, number as u32, shown);
                     }
                 }
                 ui.add(Label::new(text).truncate()).on_hover_text(row.path.display().to_string());
@@ -247,7 +244,7 @@ fn show_all_or_none(ui: &mut Ui, files: usize, filter: &mut Filter) {
             filter.set(&Attribute::File, None);
         }
         if ui.small_button("Hide all files").clicked() {
-            filter.set(&Attribute::File, Some(Clause::none_of(Attribute::File, 0..files as u32)));
+            ticks::hide(filter, &Attribute::File, 0..files as u32);
         }
     });
 }
@@ -274,36 +271,12 @@ fn recent(ui: &mut Ui, files: &Files, typed: &Typed, requests: &mut Vec<Request>
     .on_hover_text("What was opened before");
 }
 
-/// Whether the filter shows a file.
-pub fn is_shown(filter: &Filter, file: usize) -> bool {
-    filter.of(&Attribute::File).is_none_or(|clause| clause.holds(file as f64))
-}
-
-/// Changes whether the filter shows a file, and no other.
-fn set_shown(filter: &mut Filter, file: usize, shown: bool) {
-    let clause = filter.of(&Attribute::File).cloned();
-    let ranges: Vec<[f64; 2]> = clause.iter().flat_map(|clause| clause.values.ranges().to_vec()).collect();
-    // An open range has no end to count to; that of files that can be has.
-    let listed = |number: u32| ranges.iter().any(|[low, high]| (*low..=*high).contains(&f64::from(number)));
-    let is_excluding = clause.as_ref().is_none_or(|clause| clause.is_excluding);
-    let last = ranges.iter().map(|[low, high]| if high.is_finite() { *high } else { *low }).fold(file as f64, f64::max);
-    let numbers: Vec<u32> = (0..=last.clamp(0.0, 65_535.0) as u32)
-        .filter(|&n| if n as usize == file { shown != is_excluding } else { listed(n) })
-        .collect();
-    let clause = match (is_excluding, numbers.is_empty()) {
-        (true, true) => None,
-        (true, false) => Some(Clause::none_of(Attribute::File, numbers)),
-        (false, _) => Some(Clause::one_of(Attribute::File, numbers)),
-    };
-    filter.set(&Attribute::File, clause);
-}
-
 /// One of so many files goes: those behind it have other numbers from now on.
 pub fn forget_file(filter: &mut Filter, files: usize, gone: usize) {
-    let hidden = (0..files).filter(|&file| file != gone && !is_shown(filter, file));
-    let hidden: Vec<u32> = hidden.map(|file| (file - usize::from(file > gone)) as u32).collect();
-    let clause = (!hidden.is_empty()).then(|| Clause::none_of(Attribute::File, hidden));
-    filter.set(&Attribute::File, clause);
+    let (files, gone) = (files as u32, gone as u32);
+    let hidden = (0..files).filter(|&file| file != gone && !ticks::is_shown(filter, &Attribute::File, file));
+    let hidden: Vec<u32> = hidden.map(|file| file - u32::from(file > gone)).collect();
+    ticks::hide(filter, &Attribute::File, hidden);
 }
 
 #[cfg(test)]
@@ -311,29 +284,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn hiding_a_file_hides_no_other() {
+    fn hidden_files_stay_hidden_when_another_is_closed() {
         let mut filter = Filter::default();
-        let shown = |filter: &Filter| (0..4).map(|i| is_shown(filter, i)).collect::<Vec<_>>();
-        set_shown(&mut filter, 2, false);
-        assert_eq!(shown(&filter), [true, true, false, true]);
-        set_shown(&mut filter, 0, false);
-        assert_eq!(shown(&filter), [false, true, false, true]);
-        set_shown(&mut filter, 2, true);
-        set_shown(&mut filter, 0, true);
-        assert!(filter.clauses.is_empty(), "nothing is hidden: {filter:?}");
-        // Files 1 and 3 of four are hidden, then file 0 is closed.
-        set_shown(&mut filter, 1, false);
-        set_shown(&mut filter, 3, false);
+        ticks::hide(&mut filter, &Attribute::File, [1, 3]);
         forget_file(&mut filter, 4, 0);
-        assert_eq!(shown(&filter), [false, true, false, true]);
+        let shown: Vec<bool> = (0..3).map(|i| ticks::is_shown(&filter, &Attribute::File, i)).collect();
+        assert_eq!(shown, [false, true, false]);
         forget_file(&mut filter, 3, 2);
         forget_file(&mut filter, 2, 0);
         assert!(filter.clauses.is_empty());
-        // Given on the command line the other way round.
-        let mut filter = Filter { clauses: vec!["file=1..".parse().unwrap()] };
-        set_shown(&mut filter, 0, true);
-        assert!(is_shown(&filter, 0) && is_shown(&filter, 1));
-        set_shown(&mut filter, 1, false);
-        assert!(!is_shown(&filter, 1));
     }
 }

@@ -1,11 +1,14 @@
 //! The side panel: sections that open and close. Each shows a model that it is given, changes settings, and asks for
 //! the rest with requests; so it needs no GPU, and tests can click through it.
 
+pub mod color;
 pub mod files;
+pub mod filter;
 pub mod look;
 pub mod messages;
 pub mod performance;
 pub mod share;
+mod ticks;
 
 use eframe::egui::{CollapsingHeader, Context, Panel, RichText, ScrollArea, Ui, scroll_area::ScrollSource};
 
@@ -22,6 +25,8 @@ const NARROWEST: f32 = 220.0;
 /// All that the panel shows.
 pub struct Model<'a> {
     pub files: &'a files::Files,
+    pub colors: &'a color::Colors,
+    pub filters: &'a filter::Filters,
     pub performance: &'a performance::Performance,
     pub share: &'a mut share::Share,
     pub messages: &'a Messages,
@@ -35,6 +40,9 @@ pub struct Typed {
     pub path: String,
     /// What is opened next comes besides what is shown.
     pub add: bool,
+    /// A clause of the filter, and what is wrong with it.
+    pub clause: String,
+    pub clause_error: Option<String>,
     /// The keyboard is asked for by the panel's first control.
     pub focus: bool,
 }
@@ -70,6 +78,14 @@ pub fn contents(ui: &mut Ui, settings: &mut Settings, model: &mut Model<'_>, req
     top(ui, settings, model.typed);
     section(ui, settings, Section::Files, "Files", |ui, settings| {
         files::show(ui, model.files, settings, model.typed, requests);
+    });
+    section(ui, settings, Section::Color, "Colour", |ui, settings| {
+        let look = &mut settings.look;
+        color::show(ui, model.colors, &mut look.coloring, &mut look.filter, &mut settings.legend);
+    });
+    section(ui, settings, Section::Filter, "Filter", |ui, settings| {
+        let look = &mut settings.look;
+        filter::show(ui, model.filters, &mut look.filter, &mut look.clip, model.typed, requests);
     });
     section(ui, settings, Section::Look, "Look", look::show);
     section(ui, settings, Section::Share, "Share", |ui, _| share::show(ui, model.share, requests));

@@ -14,12 +14,16 @@ use egui_kittest::{
 };
 
 use super::{
+    color::{Colors, Value},
     files::{Files, Row, State},
+    filter::{Filters, Table},
     performance::{GpuMemory, Performance},
     *,
 };
 use crate::{
     device::PassTimes,
+    render::{ColorBy, ColorMap},
+    scene::Attribute,
     source::ThreadTimes,
     view::{Options, messages::Severity, remembered::Remembered},
 };
@@ -28,6 +32,8 @@ use crate::{
 struct World {
     settings: Settings,
     files: Files,
+    colors: Colors,
+    filters: Filters,
     performance: Performance,
     share: share::Share,
     messages: Messages,
@@ -42,6 +48,8 @@ impl World {
         World {
             settings,
             files: Files::default(),
+            colors: Colors::default(),
+            filters: Filters::default(),
             performance: Performance::default(),
             share: share::Share::default(),
             messages: Messages::default(),
@@ -80,6 +88,8 @@ impl World {
         let contents = |ui: &mut Ui, world: &mut World| {
             let mut model = Model {
                 files: &world.files,
+                colors: &world.colors,
+                filters: &world.filters,
                 performance: &world.performance,
                 share: &mut world.share,
                 messages: &world.messages,
@@ -179,7 +189,7 @@ fn files_are_shown_hidden_stopped_and_closed() {
     harness.get_by_label("Show b.laz").click();
     harness.run();
     let shown = |harness: &Harness<'_, World>| {
-        (0..3).map(|i| files::is_shown(&harness.state().settings.look.filter, i)).collect::<Vec<_>>()
+        (0..3).map(|i| ticks::is_shown(&harness.state().settings.look.filter, &Attribute::File, i)).collect::<Vec<_>>()
     };
     assert_eq!(shown(&harness), [true, false, true]);
     assert_eq!(harness.get_by_label("Show b.laz").accesskit_node().toggled(), Some(Toggled::False));
@@ -252,6 +262,131 @@ fn looks_are_set() {
     assert!(settings.look.shading.high_quality && !settings.edl);
     assert_eq!(settings.shading().edl_strength, 0.0);
     assert_eq!(settings.look.shading.background, [255; 3]);
+}
+
+fn classes() -> Vec<Value> {
+    let value = |number, name: &str, points| Value { number, name: name.into(), color: [number as u8; 3], points };
+    vec![value(2, "2 ground", 1_500_000), value(6, "6 building", 400_000), value(9, "9 water", 42)]
+}
+
+fn shown_by(harness: &Harness<'_, World>) -> String {
+    let clauses = harness.state().settings.look.filter.clauses.iter();
+    clauses.map(|clause| clause.to_string()).collect::<Vec<_>>().join(" ")
+}
+
+#[test]
+fn colours_are_chosen_and_their_range_is_dragged() {
+    let mut world = World::new(&[Section::Color]);
+    world.colors = Colors {
+        choices: vec![ColorBy::Auto, ColorBy::Rgb, Attribute::Elevation.into(), Attribute::Classification.into()],
+        extent: Some([100.0, 200.0]),
+        bars: (0..50).collect(),
+        range: Some([110.0, 190.0]),
+        reading: Some(("GPS time".into(), 0.25)),
+        ..Default::default()
+    };
+    let mut harness = world.show();
+    assert!(harness.query_by_label("Legend").is_none(), "automatic colours have none");
+    harness.get_by_label("Colour by").click();
+    harness.run();
+    harness.get_by_label("Elevation").click();
+    harness.run();
+    check_tree(&harness, "color");
+    let coloring = |harness: &Harness<'_, World>| harness.state().settings.look.coloring.clone();
+    assert_eq!(coloring(&harness).by, Attribute::Elevation.into());
+    assert_eq!(coloring(&harness).range, None);
+
+    // The handle of the first colour, to where the second one is and beyond: it pushes it.
+    let handle = harness.get_by_label("Value of the first colour").rect().center();
+    harness.drag_at(handle);
+    harness.run();
+    harness.hover_at(handle + vec2(40.0, 0.0));
+    harness.run();
+    harness.drop_at(handle + vec2(40.0, 0.0));
+    harness.run();
+    let [low, high] = coloring(&harness).range.expect("a range of the user's own");
+    assert!(low > 112.0 && low < 150.0 && high == 190.0, "{low} to {high}");
+    harness.get_by_label("Automatic range").click();
+    harness.run();
+    assert_eq!(coloring(&harness).range, None);
+
+    harness.get_by_label("Colour map").click();
+    harness.run();
+    harness.get_by_label("turbo").click();
+    harness.run();
+    assert_eq!(coloring(&harness).map, Some(ColorMap::Turbo));
+    harness.get_by_label("Legend").click();
+    harness.run();
+    assert!(!harness.state().settings.legend);
+}
+
+#[test]
+fn classes_have_names_colours_counts_and_ticks() {
+    let mut world = World::new(&[Section::Color]);
+    world.settings.look.coloring.by = Attribute::Classification.into();
+    world.colors.values = classes();
+    let mut harness = world.show();
+    check_tree(&harness, "classes");
+    harness.get_by_label("Show 6 building").click();
+    harness.run();
+    assert_eq!(shown_by(&harness), "classification!=6");
+    assert!(harness.query_by_label("Usual classes").is_none());
+    harness.get_by_label("Name of class 9").focus();
+    harness.run();
+    harness.get_by_label("Name of class 9").type_text("!");
+    harness.run();
+    let name = |harness: &Harness<'_, World>| harness.state().settings.look.coloring.classes.get(9).name.to_string();
+    assert!(name(&harness).contains('!'), "{}", name(&harness));
+    harness.get_by_label("Usual classes").click();
+    harness.run();
+    assert_eq!(name(&harness), "water");
+}
+
+#[test]
+fn points_are_filtered_by_ticks_ranges_and_text() {
+    let mut world = World::new(&[Section::Filter]);
+    let table = |attribute, values, is_partial| Table { attribute, values, is_partial };
+    world.filters = Filters {
+        tables: vec![
+            table(Attribute::Classification, classes(), true),
+            table(Attribute::ReturnNumber, Vec::new(), true),
+        ],
+        ranges: vec![(Attribute::Elevation, Some([100.0, 200.0]))],
+        shown: Some([750_000, 1_500_000]),
+    };
+    let mut harness = world.show();
+    harness.get_by_label("Ranges").click();
+    harness.get_by_label("Return number").click();
+    harness.run();
+    check_tree(&harness, "filter");
+    harness.get_by_label("Show 2 ground").click();
+    harness.run();
+    harness.get_by_label("Elevation").click();
+    harness.run();
+    assert_eq!(shown_by(&harness), "classification!=2 elevation=100..200");
+    harness.get_by_label("Read the values: Return number").click();
+    harness.run();
+    assert_eq!(harness.state().requests, [Request::Read(Attribute::ReturnNumber)]);
+
+    let type_clause = |harness: &mut Harness<'_, World>, text: &str| {
+        harness.get_by_label("Clause to add").focus();
+        harness.run();
+        harness.get_by_label("Clause to add").type_text(text);
+        harness.run();
+        harness.key_press(Key::Enter);
+        harness.run();
+    };
+    type_clause(&mut harness, "colour=5");
+    assert!(harness.query_by_label_contains("expected intensity").is_some(), "what is wrong is told");
+    harness.state_mut().typed.clause.clear();
+    type_clause(&mut harness, "class=6,9");
+    assert_eq!(shown_by(&harness), "classification=6,9 elevation=100..200");
+    harness.get_by_label("Take away elevation=100..200").click();
+    harness.run();
+    assert_eq!(shown_by(&harness), "classification=6,9");
+    harness.get_by_label("Show all").click();
+    harness.run();
+    assert_eq!(shown_by(&harness), "");
 }
 
 #[test]
@@ -362,6 +497,8 @@ fn any_size_of_window_will_do() {
         let show = |ui: &mut Ui, world: &mut World| {
             let mut model = Model {
                 files: &world.files,
+                colors: &world.colors,
+                filters: &world.filters,
                 performance: &world.performance,
                 share: &mut world.share,
                 messages: &world.messages,
