@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use eframe::egui::ThemePreference;
 use serde::{Deserialize, Serialize};
 
-use super::{Options, overlay::POINT_SIZES, remembered::Remembered};
+use super::{Options, keys::Command, overlay::POINT_SIZES, remembered::Remembered};
 use crate::render::{Clip, Filter, Look, Shading};
 
 #[derive(Debug, Clone, PartialEq)]
@@ -22,6 +22,8 @@ pub struct Settings {
     /// Sections of the panel that are open.
     pub sections: BTreeSet<Section>,
     pub theme: Theme,
+    /// The camera goes to a view that is asked for on a short way, instead of jumping there.
+    pub smooth: bool,
     /// What the colours mean, over the picture.
     pub legend: bool,
     pub help: bool,
@@ -64,15 +66,6 @@ impl Theme {
     }
 }
 
-/// What the user asks for with a button or a key.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Ask {
-    Home,
-    Top,
-    Front,
-    Side,
-}
-
 impl Settings {
     /// What was remembered, with what the command line says in its place.
     pub fn new(options: &Options, remembered: &Remembered) -> Settings {
@@ -93,6 +86,7 @@ impl Settings {
             panel_width: remembered.panel_width,
             sections: remembered.sections.iter().copied().collect(),
             theme: remembered.theme,
+            smooth: remembered.smooth,
             legend: remembered.legend,
             help: false,
         }
@@ -107,6 +101,7 @@ impl Settings {
         remembered.panel_width = self.panel_width;
         remembered.sections = self.sections.iter().copied().collect();
         remembered.theme = self.theme;
+        remembered.smooth = self.smooth;
         remembered.legend = self.legend;
     }
 
@@ -121,6 +116,19 @@ impl Settings {
     pub fn shading(&self) -> Shading {
         let edl_strength = if self.edl { self.look.shading.edl_strength } else { 0.0 };
         Shading { edl_strength, ..self.look.shading }
+    }
+
+    /// What a key asks for, if it is of these settings.
+    pub fn obey(&mut self, command: Command) {
+        match command {
+            Command::SmallerPoints => self.change_point_size(-1),
+            Command::LargerPoints => self.change_point_size(1),
+            Command::ToggleLighting => self.edl ^= true,
+            Command::ToggleQuality => self.look.shading.high_quality ^= true,
+            Command::ToggleBar => self.bar ^= true,
+            Command::ToggleHelp => self.help ^= true,
+            _ => {}
+        }
     }
 
     /// Larger or smaller points.

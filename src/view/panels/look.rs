@@ -18,6 +18,10 @@ pub fn show(ui: &mut Ui, settings: &mut Settings) {
         .on_hover_text("Strength of eye-dome lighting");
     ui.checkbox(&mut shading.high_quality, "High quality")
         .on_hover_text("Mean colour of all points within 1 % of the nearest; twice the work (B)");
+    ui.checkbox(&mut settings.smooth, "Glide to views").on_hover_text(
+        "The camera goes to a view that is asked for in a quarter of a second, instead of jumping there",
+    );
+    let shading = &mut settings.look.shading;
     ui.horizontal(|ui| {
         let label = ui.label("Background");
         ui.color_edit_button_srgb(&mut shading.background).labelled_by(label.id).on_hover_text("Where no point is");
