@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
-use super::{camera::View, choice::Choice, color::FileColor};
+use super::{choice::Choice, color::FileColor, view::View};
 use crate::{
     device::{PassTimes, Passes, Raster, RenderError},
     scene::PointBatch,

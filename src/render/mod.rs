@@ -19,14 +19,17 @@ mod cpu;
 mod frame;
 mod gpu;
 mod in_motion;
+mod lens;
 mod look;
+mod point_size;
 mod progressive;
 mod shading;
+mod view;
 
 pub use crate::device::{PassTimes, Passes, Raster, RenderError};
 pub use backend::{Averaging, Backend, BackendInfo, FramePlan, Picture, Shading, Sums};
 pub use budget::{BudgetController, FillBudget};
-pub use camera::{Camera, CameraError, Projected, View};
+pub use camera::{Camera, CameraError, Projection};
 pub use choice::{
     Candidate, Choice, Clock, GROUP_SIZES, MARGIN, Measured, Measurement, RasterChoice, Speed, Why, best,
 };
@@ -35,5 +38,8 @@ pub use cpu::{CpuBackend, list_visible};
 pub use frame::{FrameReport, FrameRequest, INSERTION_POINTS, Reprojection, StoreOptions};
 pub use gpu::{GpuBackend, ShadingUniform};
 pub use look::Look;
+pub use lens::Lens;
+pub use point_size::{MAX_PX, MAX_WORLD_PX, PointSize};
 pub use progressive::Progressive;
 pub use shading::{AVERAGED_DEPTH, EDL_GAIN, MOST_FRAGMENTS};
+pub use view::{Projected, View};

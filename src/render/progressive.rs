@@ -6,9 +6,9 @@ use super::{
     averages::Averages,
     backend::{Averaging, Backend, FramePlan, Picture, Shading},
     budget::{BudgetController, FillBudget},
-    camera::View,
     color::FileColor,
     frame::{FrameReport, FrameRequest, MAX_POINTS, Reprojection, StoreOptions},
+    view::View,
 };
 use crate::{
     device::{PassTimes, Passes, Raster, RenderError},

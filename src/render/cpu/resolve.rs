@@ -128,13 +128,13 @@ fn edl_product(depth: &[f32], plan: &FramePlan, x: usize, y: usize) -> f32 {
     let (width, height) = (plan.view.width as usize, plan.view.height as usize);
     let center = depth[y * width + x];
     let mut product = 1.0;
-    for [dx, dy] in shading::edl_neighbours(plan.view.point_size) {
+    for [dx, dy] in shading::edl_neighbours(plan.view.point_size_at(center)) {
         if let (Some(x), Some(y)) = (x.checked_add_signed(dx), y.checked_add_signed(dy))
             && x < width
             && y < height
         {
             // A background neighbour is infinitely far, and so changes nothing.
-            product = shading::edl_product(product, center, depth[y * width + x]);
+            product = shading::edl_product(product, plan.view.times_as_far(center, depth[y * width + x]));
         }
     }
     product
