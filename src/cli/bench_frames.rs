@@ -11,13 +11,14 @@ use clap::Args;
 
 use super::{
     CliError, ExitStatus,
+    look::LookArgs,
     render::{BackendArg, backend_choice},
     say, values,
 };
 use crate::{
     headless::{Destination, HeadlessError, OutputError, make_backend},
     measure::{BenchError, BenchFrames, Fed, Feed, bench_frames, markdown},
-    render::{FillBudget, RasterChoice},
+    render::{FillBudget, PointSize, RasterChoice},
     synth::SynthOptions,
 };
 
@@ -38,9 +39,6 @@ pub struct BenchFramesArgs {
     /// Width and height of the picture, pixels
     #[arg(long, value_name = "WxH", default_value = "1920x1080", value_parser = values::parse_size)]
     size: [u32; 2],
-    /// Width of a point, pixels, 1 to 8
-    #[arg(long, value_name = "PX", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=8))]
-    point_size: u32,
     /// Frame time that the fill budget aims at, milliseconds
     #[arg(long, value_name = "MS", default_value_t = 16.0, value_parser = values::parse_millis)]
     target_ms: f64,
@@ -51,9 +49,6 @@ pub struct BenchFramesArgs {
     /// size; auto measures which is the fastest
     #[arg(long, value_name = "auto|NAME", default_value = "auto", value_parser = values::parse_method)]
     method: RasterChoice,
-    /// High-quality shading
-    #[arg(long)]
-    hq: bool,
     /// Where to draw; auto takes a GPU if there is one
     #[arg(long, value_enum, default_value_t)]
     backend: BackendArg,
@@ -66,6 +61,8 @@ pub struct BenchFramesArgs {
     /// Write every sample as JSON
     #[arg(long, value_name = "REPORT.json")]
     json: Option<PathBuf>,
+    #[command(flatten)]
+    look: LookArgs,
 }
 
 pub fn run(args: BenchFramesArgs, started: Instant) -> Result<ExitStatus, CliError> {
@@ -82,12 +79,11 @@ pub fn run(args: BenchFramesArgs, started: Instant) -> Result<ExitStatus, CliErr
     notes.iter().for_each(|note| say(note));
     let settings = BenchFrames {
         size: args.size,
-        point_size: args.point_size,
+        look: args.look.look(PointSize::default()),
         seed: args.seed,
         fill: args.fill.map_or(FillBudget::Target(args.target_ms * 1e-3), FillBudget::Fixed),
         at: args.at,
         frames: args.frames,
-        high_quality: args.hq,
     };
     let report = bench_frames(&settings, feed, backend, decoded, started)?;
     // If nobody reads the table, the report is still written.

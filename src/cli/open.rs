@@ -16,7 +16,7 @@ use super::{
 };
 use crate::{
     headless::{self, BackendChoice, Destination, HeadlessError, Outputs, Settings, Stop},
-    render::{INSERTION_POINTS, RasterChoice},
+    render::{INSERTION_POINTS, PointSize, RasterChoice},
     view::{self, ViewError},
 };
 
@@ -44,7 +44,7 @@ pub struct OpenArgs {
 }
 
 /// Width of a point in the window, pixels: at one, near surfaces have holes in motion.
-const WINDOW_POINT_SIZE: u32 = 2;
+const WINDOW_POINT_SIZE: PointSize = PointSize::Pixels(2);
 
 pub fn run(args: OpenArgs, started: Instant) -> Result<ExitStatus, CliError> {
     if !view::has_display() {

@@ -11,7 +11,7 @@ mod report;
 mod run;
 mod settings;
 
-pub use framing::{box_to_fit, default_camera};
+pub use framing::{box_to_fit, default_camera, default_camera_as};
 pub use outputs::{Destination, OutputError, Outputs, picture_sha256, write_npy_f32, write_npy_i64, write_png};
 pub use progress::{ProgressStyle, grouped};
 pub use report::{FileEntry, OutputPaths, Report, Seconds};

@@ -54,7 +54,10 @@ pub struct Report {
     pub camera_given: bool,
     /// Width and height.
     pub size_px: [u32; 2],
-    pub point_size_px: u32,
+    /// Null where points have a size in the file's unit.
+    pub point_size_px: Option<u32>,
+    /// In the file's unit; null where it is in pixels.
+    pub point_size_world: Option<f64>,
     pub edl_strength: f32,
     /// How colours were summed up for high-quality shading, "hqs1r" or "hqs"; null without it.
     pub high_quality: Option<String>,
@@ -242,7 +245,8 @@ impl Report {
             camera: settings.camera,
             camera_given: settings.camera.is_some(),
             size_px: settings.size,
-            point_size_px: settings.look.point_size,
+            point_size_px: settings.look.point_size.pixels(),
+            point_size_world: settings.look.point_size.world(),
             edl_strength: settings.look.shading.edl_strength,
             high_quality: None,
             points_averaged: 0,

@@ -6,7 +6,7 @@ use std::{
 };
 
 use super::{
-    default_camera,
+    default_camera_as,
     outputs::{OutputError, picture_sha256, write_npy_f32, write_npy_i64, write_png},
     progress::{Progress, grouped},
     report::{Report, Seconds, Tally, file_entries, peak_memory_bytes},
@@ -195,7 +195,9 @@ impl Run<'_> {
     fn aim(&mut self, first: Option<&PointBatch>) -> Result<(), HeadlessError> {
         let (None, Some(facts)) = (&self.request, &self.facts) else { return Ok(()) };
         let settings = self.settings;
-        let camera = settings.camera.unwrap_or_else(|| default_camera(facts, first, settings.size));
+        let projection = settings.look.projection;
+        let given = settings.camera.map(|camera| camera.or_as(projection));
+        let camera = given.unwrap_or_else(|| default_camera_as(facts, first, settings.size, projection));
         let view = camera.view(&facts.grid, settings.size, settings.look.point_size)?;
         self.request = Some(FrameRequest { view, fill: settings.fill_budget(), shading: settings.look.shading });
         self.report.camera = Some(camera);

@@ -12,9 +12,9 @@ use super::{
     stats::quantile,
 };
 use crate::{
-    headless::default_camera,
+    headless::default_camera_as,
     render::{
-        Backend, BackendInfo, Camera, FillBudget, FrameRequest, PassTimes, Progressive, RenderError, Shading,
+        Backend, BackendInfo, Camera, FillBudget, FrameRequest, Look, PassTimes, PointSize, Progressive, RenderError,
         StoreOptions, Sums,
     },
     scene::SceneFacts,
@@ -25,14 +25,13 @@ use crate::{
 #[derive(Debug, Clone)]
 pub struct BenchFrames {
     pub size: [u32; 2],
-    pub point_size: u32,
     pub seed: u64,
     pub fill: FillBudget,
     /// Numbers of points at which loading pauses; the end of the scene is always one.
     pub at: Vec<u64>,
     /// Frames to time at each.
     pub frames: u32,
-    pub high_quality: bool,
+    pub look: Look,
 }
 
 /// Frame times, milliseconds, in the order they were drawn.
@@ -78,7 +77,8 @@ pub struct BenchFramesReport {
     pub backend: BackendInfo,
     pub inputs: Vec<String>,
     pub size_px: [u32; 2],
-    pub point_size_px: u32,
+    /// How the scene was shown.
+    pub look: Look,
     /// How colours were summed up for high-quality shading; none without it.
     pub high_quality: Option<Sums>,
     pub seed: u64,
@@ -129,8 +129,8 @@ pub fn bench_frames(
         backend: info,
         inputs: vec![],
         size_px: settings.size,
-        point_size_px: settings.point_size,
-        high_quality: settings.high_quality.then_some(backend_sums),
+        high_quality: settings.look.shading.high_quality.then_some(backend_sums),
+        look: settings.look.clone(),
         seed: settings.seed,
         decoded_points_per_sec,
         secs_to_first_picture: 0.0,
@@ -149,7 +149,7 @@ pub fn bench_frames(
                 Fed::Opened(facts) => {
                     report.inputs = facts.files.iter().map(|file| file.path.display().to_string()).collect();
                     run.progressive.open(facts.clone());
-                    let camera = default_camera(&facts, None, settings.size);
+                    let camera = default_camera_as(&facts, None, settings.size, settings.look.projection);
                     run.scene = Some((facts, camera));
                 }
                 Fed::Batch(batch) => run.progressive.offer(batch),
@@ -193,9 +193,8 @@ impl Run<'_> {
         let Some((facts, camera)) = &self.scene else { return Ok(None) };
         let camera = camera.turned(self.frame.into());
         self.frame += 1;
-        let view = camera.view(&facts.grid, self.settings.size, self.settings.point_size)?;
-        let shading = Shading { high_quality: self.settings.high_quality, ..Default::default() };
-        Ok(Some(FrameRequest { view, fill: self.settings.fill, shading }))
+        let view = camera.view(&facts.grid, self.settings.size, self.settings.look.point_size)?;
+        Ok(Some(FrameRequest { view, fill: self.settings.fill, shading: self.settings.look.shading }))
     }
 
     /// Draws the next frame to its end. Without points there is nothing to time.
@@ -259,16 +258,20 @@ impl Run<'_> {
 pub fn markdown(report: &BenchFramesReport) -> String {
     let mut out = String::new();
     let [width, height] = report.size_px;
+    let points = match report.look.point_size {
+        PointSize::Pixels(pixels) => format!("{pixels} px"),
+        world => world.to_string(),
+    };
     let mut line = |text: String| {
         // Writing to a string cannot fail.
         let _ = writeln!(out, "{text}");
     };
     line(format!(
-        "{} ({}), {}, {width}x{height}, {} px points{}; {}",
+        "{} ({}), {}, {width}x{height}, {} points{}; {}",
         report.backend.adapter,
         report.backend.api,
         report.backend.method,
-        report.point_size_px,
+        points,
         report.high_quality.map(|sums| format!(", high quality ({sums})")).unwrap_or_default(),
         report.inputs.join(", ")
     ));

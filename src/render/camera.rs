@@ -163,6 +163,11 @@ impl Camera {
         Camera { eye: (eye - forward * back).to_array(), fov_y_deg, ..self }
     }
 
+    /// Orthographic if this camera or `projection` is.
+    pub fn or_as(self, projection: Projection) -> Camera {
+        if self.projection.is_perspective() { Camera { projection, ..self } } else { self }
+    }
+
     /// Height of the picture at the target, in the file's unit.
     pub fn height_at_target(&self) -> f64 {
         let distance = DVec3::from_array(self.eye).distance(DVec3::from_array(self.target));

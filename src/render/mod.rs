@@ -16,6 +16,7 @@ mod camera;
 mod choice;
 mod color;
 mod cpu;
+mod filter;
 mod frame;
 mod gpu;
 mod in_motion;
@@ -29,12 +30,15 @@ mod view;
 pub use crate::device::{PassTimes, Passes, Raster, RenderError};
 pub use backend::{Averaging, Backend, BackendInfo, FramePlan, Picture, Shading, Sums};
 pub use budget::{BudgetController, FillBudget};
-pub use camera::{Camera, CameraError, Projection};
+pub use camera::{Camera, CameraError, Projection, SOUTH_AND_ABOVE};
 pub use choice::{
     Candidate, Choice, Clock, GROUP_SIZES, MARGIN, Measured, Measurement, RasterChoice, Speed, Why, best,
 };
 pub use color::{FileColor, elevation_ramp};
 pub use cpu::{CpuBackend, list_visible};
+pub use filter::{
+    Clause, ClauseError, Clip, ClipBox, ClipError, Filter, Key, MaskRules, RULE_WORDS, Slab, Test, Values, ValuesError,
+};
 pub use frame::{FrameReport, FrameRequest, INSERTION_POINTS, Reprojection, StoreOptions};
 pub use gpu::{GpuBackend, ShadingUniform};
 pub use look::Look;

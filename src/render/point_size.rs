@@ -10,6 +10,10 @@ pub const MAX_PX: u32 = 8;
 /// are 32 pixels at 1.5 m.
 pub const MAX_WORLD_PX: u32 = 32;
 
+/// In the file's unit; far beyond, numbers of 32 bits end.
+const MIN_WORLD: f64 = 1e-9;
+const MAX_WORLD: f64 = 1e9;
+
 /// Width of the square that a point is drawn as.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -18,6 +22,32 @@ pub enum PointSize {
     Pixels(u32),
     /// In the file's unit: as many pixels as that takes where the point is, 1 to [`MAX_WORLD_PX`].
     World(f64),
+}
+
+impl PointSize {
+    /// The width in pixels, if it is given so.
+    pub fn pixels(self) -> Option<u32> {
+        match self {
+            PointSize::Pixels(pixels) => Some(pixels),
+            PointSize::World(_) => None,
+        }
+    }
+
+    /// The width in the file's unit, if it is given so.
+    pub fn world(self) -> Option<f64> {
+        match self {
+            PointSize::Pixels(_) => None,
+            PointSize::World(size) => Some(size),
+        }
+    }
+
+    /// So many steps larger: a pixel, or a quarter.
+    pub fn stepped(self, by: i32) -> PointSize {
+        match self {
+            PointSize::Pixels(pixels) => PointSize::Pixels(pixels.saturating_add_signed(by).clamp(1, MAX_PX)),
+            PointSize::World(size) => PointSize::World((size * 1.25_f64.powi(by)).clamp(MIN_WORLD, MAX_WORLD)),
+        }
+    }
 }
 
 impl Default for PointSize {
@@ -50,8 +80,7 @@ impl std::str::FromStr for PointSize {
             format!("expected pixels from 1 to {MAX_PX}, or a size in the file's unit such as 0.05m, found `{text}`")
         };
         let size = match text.strip_suffix('m') {
-            // Beyond these, numbers of 32 bits end.
-            Some(size) => size.parse().ok().filter(|size| (1e-9..=1e9).contains(size)).map(PointSize::World),
+            Some(size) => size.parse().ok().filter(|size| (MIN_WORLD..=MAX_WORLD).contains(size)).map(PointSize::World),
             None => text.parse().ok().filter(|pixels| (1..=MAX_PX).contains(pixels)).map(PointSize::Pixels),
         };
         size.ok_or_else(wrong)

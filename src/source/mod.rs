@@ -6,6 +6,7 @@
 //! first: see [`Order`]), then [`Event::Finished`]; or [`Event::Failed`] if nothing could be opened.
 //!
 //! ```text
+//! control   what a running reader is told: to leave a file
 //! inputs    files and folders → a list of files
 //! header    one file's header, with its VLRs (vlr, crs, wkt, extra_bytes), read tolerantly
 //! chunks    where a LAZ file's chunks are; copc: which of them are an octree's coarser levels
@@ -33,6 +34,7 @@ use crate::scene::{PointBatch, SceneFacts};
 mod attributes;
 mod bytes;
 pub(crate) mod chunks;
+mod control;
 mod copc;
 pub(crate) mod crs;
 mod error;
@@ -97,6 +99,7 @@ pub struct Stream {
     events: Receiver<Event>,
     free: Sender<PointBatch>,
     cancel: Arc<AtomicBool>,
+    control: Arc<control::Control>,
     thread: Option<JoinHandle<()>>,
 }
 
@@ -110,6 +113,17 @@ impl Stream {
     pub fn recycle(&self, batch: PointBatch) {
         // With enough spare buffers already, this one's memory goes back to the system.
         let _ = self.free.try_send(batch);
+    }
+
+    /// Stops reading one file, by its number in [`SceneFacts::files`]; the others go on. Its points that are read
+    /// already still arrive, a few batches at most, and its report says that the rest is missing.
+    pub fn cancel_file(&self, file: usize) {
+        self.control.cancel(file);
+    }
+
+    /// What each decoder thread did until now, up to its latest batch.
+    pub fn thread_times(&self) -> Vec<ThreadTimes> {
+        self.control.thread_times()
     }
 }
 
@@ -145,12 +159,14 @@ pub fn open(inputs: &[PathBuf], options: OpenOptions) -> Stream {
     let (events_to, events) = bounded(events_ahead);
     let (free, free_from) = bounded(spare);
     let cancel = Arc::new(AtomicBool::new(false));
+    let control = Arc::new(control::Control::default());
     let engine = stream::Engine {
         inputs: inputs.to_vec(),
         options,
         events: events_to.clone(),
         free: free_from,
         cancel: Arc::clone(&cancel),
+        control: Arc::clone(&control),
     };
     let thread = std::thread::Builder::new().name("source".into()).spawn(move || engine.run(threads));
     if let Err(error) = &thread {
@@ -159,5 +175,5 @@ pub fn open(inputs: &[PathBuf], options: OpenOptions) -> Stream {
         // The channel is empty, so there is room.
         let _ = events_to.try_send(Event::Failed(failed));
     }
-    Stream { events, free, cancel, thread: thread.ok() }
+    Stream { events, free, cancel, control, thread: thread.ok() }
 }

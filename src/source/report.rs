@@ -127,8 +127,8 @@ fn foremost(kept: &mut Option<(u64, String)>, other: Option<(u64, String)>) {
     }
 }
 
-/// One file's report, when all of it was read.
-pub fn file_report(plan: &FilePlan, (decoded, outcome): (u64, Outcome)) -> FileReport {
+/// One file's report, when all of it was read, or it was cancelled.
+pub fn file_report(plan: &FilePlan, (decoded, outcome): (u64, Outcome), cancelled: bool) -> FileReport {
     let header = &plan.header;
     let mut warnings = plan.warnings.clone();
     if let Some((_, suspect)) = outcome.suspect {
@@ -149,6 +149,7 @@ pub fn file_report(plan: &FilePlan, (decoded, outcome): (u64, Outcome)) -> FileR
     let missing = header.points.saturating_sub(decoded);
     let error = (missing > 0 || outcome.fault.is_some()).then(|| {
         let why = match (&outcome.fault, &plan.layout) {
+            _ if cancelled => "reading it was stopped; open it again to read all of it".to_owned(),
             (Some((_, fault)), _) if outcome.faults > 1 => format!("{fault}; {} more faults", outcome.faults - 1),
             (Some((_, fault)), _) => fault.clone(),
             (None, Layout::Las) => format!(

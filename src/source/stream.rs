@@ -16,6 +16,7 @@ use crossbeam_channel::{Receiver, SendTimeoutError, Sender, bounded};
 
 use super::{
     Event, FileReport, OpenOptions, SourceError, SourceReport, ThreadTimes,
+    control::Control,
     kept::{self, Kept},
     laz::{DECODER_THREAD, silence_decoder_panics},
     order::Task,
@@ -39,6 +40,7 @@ pub struct Engine {
     pub events: Sender<Event>,
     pub free: Receiver<PointBatch>,
     pub cancel: Arc<AtomicBool>,
+    pub control: Arc<Control>,
 }
 
 /// Capacity of the channel of events, and of the one that gives buffers back.
@@ -69,6 +71,7 @@ impl Engine {
                 return;
             }
         };
+        self.control.set_files(plan.files.len());
         let memory_bound_bytes = memory_bound(&plan.files, threads);
         if !self.send(Event::Opened(Arc::new(plan.facts))) {
             return;
@@ -82,6 +85,7 @@ impl Engine {
             kept: Kept::default(),
             free: &self.free,
             cancel: &self.cancel,
+            control: &self.control,
         };
         let result = std::thread::scope(|scope| {
             let spawn = |n: usize| {
@@ -109,7 +113,9 @@ impl Engine {
             return;
         };
         let outcomes = outcomes.into_iter().flatten();
-        let mut files: Vec<FileReport> = plan.files.iter().zip(outcomes).map(|(f, o)| file_report(f, o)).collect();
+        let reports = plan.files.iter().zip(outcomes).enumerate();
+        let mut files: Vec<FileReport> =
+            reports.map(|(i, (file, outcome))| file_report(file, outcome, self.control.is_cancelled(i))).collect();
         files.extend(plan.failed);
         self.send(Event::Finished(SourceReport { files, threads, memory_bound_bytes }));
     }

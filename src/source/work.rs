@@ -15,6 +15,7 @@ use crossbeam_channel::{Receiver, Sender};
 use super::{
     bytes::read_full_at,
     chunks::{Chunk, LazLayout},
+    control::Control,
     header::open_regular,
     kept::{Kept, Started},
     laz::{self, ChunkDecoder, DecoderChoice, End, Share},
@@ -52,11 +53,13 @@ pub struct Shared<'a> {
     pub kept: Kept,
     pub free: &'a Receiver<PointBatch>,
     pub cancel: &'a AtomicBool,
+    pub control: &'a Control,
 }
 
 impl Shared<'_> {
-    fn cancelled(&self) -> bool {
-        self.cancel.load(Ordering::Relaxed)
+    /// Nobody wants anything any more, or nothing of this file.
+    fn cancelled(&self, file: u32) -> bool {
+        self.cancel.load(Ordering::Relaxed) || self.control.is_cancelled(file as usize)
     }
 }
 
@@ -101,6 +104,12 @@ impl<'a> Worker<'a> {
         let before = self.times.busy_secs();
         let outcome = Outcome::default();
         let mut output = Output { to, plan, file: task.file, batch: None, outcome, stopped: false };
+        if self.shared.control.is_cancelled(task.file as usize) {
+            // A thread that is in the middle of a chunk may wait for its start.
+            self.give_up(task, plan);
+            self.times.wait_secs += output.finish();
+            return None;
+        }
         let result = laz::catch(|| match self.file(task.file, plan) {
             Ok(file) => self.part(&file, task.part, &mut output),
             Err(error) => {
@@ -117,6 +126,7 @@ impl<'a> Worker<'a> {
         if preview {
             self.times.preview_secs += self.times.busy_secs() - before;
         }
+        self.shared.control.publish(&self.times);
         left.map(|part| Task { file: task.file, part })
     }
 
@@ -290,7 +300,7 @@ impl<'a> Worker<'a> {
 
     /// Decodes what the preview has not shown of a chunk.
     fn rest_of_chunk(&mut self, file: &Arc<File>, layout: &LazLayout, number: u32, output: &mut Output<'_>) {
-        if output.stopped || self.shared.cancelled() {
+        if output.stopped || self.shared.cancelled(output.file) {
             return;
         }
         let plan = output.plan;
@@ -355,7 +365,7 @@ impl<'a> Worker<'a> {
     fn decode(&mut self, decoder: &mut dyn ChunkDecoder, run: &mut Run<'_>, output: &mut Output<'_>) -> Option<String> {
         let length = output.plan.header.record_length();
         let per_piece = (PIECE_BYTES / length).max(1) as u64;
-        while run.next < run.end && !output.stopped && !self.shared.cancelled() {
+        while run.next < run.end && !output.stopped && !self.shared.cancelled(output.file) {
             let wanted = per_piece.min(run.end - run.next) as usize * length;
             self.records.resize(self.records.len().max(wanted), 0);
             let began = Instant::now();
@@ -417,7 +427,7 @@ impl Output<'_> {
     fn append(&mut self, shared: &Shared<'_>, times: &mut ThreadTimes, mut bytes: &[u8], mut index: u64) {
         let length = self.plan.header.record_length();
         while !bytes.is_empty() && !self.stopped {
-            if shared.cancelled() {
+            if shared.cancelled(self.file) {
                 self.stopped = true;
                 return;
             }
@@ -439,6 +449,7 @@ impl Output<'_> {
             self.outcome.oddities.beyond_grid += odd.beyond_grid;
             if full {
                 times.wait_secs += self.send();
+                shared.control.publish(times);
             }
             index += (now.len() / length) as u64;
             bytes = later;

@@ -5,7 +5,7 @@ use glam::{DVec2, DVec3};
 
 use super::{
     navigation::Navigation,
-    overlay::{Ask, POINT_SIZES, Settings},
+    settings::{Ask, Settings},
 };
 
 /// Pivot distances per second.
@@ -115,14 +115,14 @@ pub fn keys(ctx: &Context, settings: &mut Settings) -> Option<Ask> {
         }
         let pressed = |keys: &[Key]| keys.iter().any(|&key| i.key_pressed(key));
         if pressed(&[Key::OpenBracket, Key::Minus]) {
-            settings.look.point_size = (settings.look.point_size - 1).max(*POINT_SIZES.start());
+            settings.change_point_size(-1);
         }
         if pressed(&[Key::CloseBracket, Key::Equals, Key::Plus]) {
-            settings.look.point_size = (settings.look.point_size + 1).min(*POINT_SIZES.end());
+            settings.change_point_size(1);
         }
         settings.edl ^= pressed(&[Key::L]);
         settings.look.shading.high_quality ^= pressed(&[Key::B]);
-        settings.overlay ^= pressed(&[Key::O]);
+        settings.bar ^= pressed(&[Key::O]);
         settings.help ^= pressed(&[Key::F1, Key::Questionmark]);
         if pressed(&[Key::Escape]) {
             settings.help = false;

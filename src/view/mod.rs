@@ -12,7 +12,10 @@ mod loading;
 mod messages;
 mod navigation;
 mod overlay;
+mod pace;
 mod probe;
+mod scene_state;
+mod settings;
 
 use std::{path::PathBuf, sync::Arc};
 

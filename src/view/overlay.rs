@@ -5,8 +5,11 @@ use eframe::egui::{
     RichText, Sense, Slider, Ui, vec2,
 };
 
-use super::format::{count, duration, percent};
-use crate::render::{Choice, Clock, Look};
+use super::{
+    format::{count, duration, percent},
+    settings::{Ask, Settings},
+};
+use crate::render::{Choice, Clock, PointSize};
 
 /// Sizes of points that the controls offer.
 pub const POINT_SIZES: std::ops::RangeInclusive<u32> = 1..=8;
@@ -59,56 +62,34 @@ pub enum Averages {
     AtRest(u64),
 }
 
-/// What the user sets.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Settings {
-    pub look: Look,
-    /// Off: the strength of `look` waits.
-    pub edl: bool,
-    pub overlay: bool,
-    pub help: bool,
-}
-
-/// What the user asks for with a button.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Ask {
-    Home,
-    Top,
-    Front,
-    Side,
-}
-
 /// Whether the window has room for any words.
 pub fn fits(ctx: &egui::Context) -> bool {
     let size = ctx.content_rect().size();
     size.x >= 160.0 && size.y >= 120.0
 }
 
-/// Two lines at the lower edge.
-pub fn bar(ctx: &egui::Context, status: &Status, settings: &mut Settings) -> Option<Ask> {
+/// Two lines at the lower edge of the picture, which takes `screen` of the window.
+pub fn bar(ctx: &egui::Context, screen: Rect, status: &Status, settings: &mut Settings) -> Option<Ask> {
     let mut asked = None;
-    let screen = ctx.content_rect();
-    Area::new(Id::unique("status")).order(Order::Foreground).anchor(Align2::LEFT_BOTTOM, vec2(0.0, 0.0)).show(
-        ctx,
-        |ui| {
-            Frame::new().fill(PANEL).inner_margin(Margin::symmetric(10, 5)).show(ui, |ui| {
-                ui.set_width(screen.width() - 20.0);
-                ui.set_height(BAR_HEIGHT - 10.0);
-                ui.spacing_mut().item_spacing = vec2(8.0, 3.0);
-                line(ui, |ui| {
-                    if screen.width() >= CONTROLS_FROM_WIDTH {
-                        asked = controls(ui, settings);
-                    }
-                    ui.with_layout(Layout::left_to_right(Align::Center), |ui| loading_line(ui, status));
-                });
-                line(ui, |ui| {
-                    device(ui, status);
-                    ui.with_layout(Layout::left_to_right(Align::Center), |ui| frame_line(ui, status));
-                });
+    let corner = screen.left_bottom() - vec2(0.0, BAR_HEIGHT);
+    Area::new(Id::unique("status")).order(Order::Foreground).fixed_pos(corner).constrain(false).show(ctx, |ui| {
+        Frame::new().fill(PANEL).inner_margin(Margin::symmetric(10, 5)).show(ui, |ui| {
+            ui.set_width(screen.width() - 20.0);
+            ui.set_height(BAR_HEIGHT - 10.0);
+            ui.spacing_mut().item_spacing = vec2(8.0, 3.0);
+            line(ui, |ui| {
+                if screen.width() >= CONTROLS_FROM_WIDTH {
+                    asked = controls(ui, settings);
+                }
+                ui.with_layout(Layout::left_to_right(Align::Center), |ui| loading_line(ui, status));
             });
-            progress(ui, screen, status);
-        },
-    );
+            line(ui, |ui| {
+                device(ui, status);
+                ui.with_layout(Layout::left_to_right(Align::Center), |ui| frame_line(ui, status));
+            });
+        });
+        progress(ui, screen, status);
+    });
     asked
 }
 
@@ -231,14 +212,15 @@ fn controls(ui: &mut Ui, settings: &mut Settings) -> Option<Ask> {
         .on_hover_text("High quality: mean colour of all points within 1 % of the nearest (B)");
     ui.checkbox(&mut settings.edl, small("shading")).on_hover_text("Eye-dome lighting (L)");
     ui.spacing_mut().slider_width = 64.0;
-    ui.add(Slider::new(&mut settings.look.point_size, POINT_SIZES).suffix(" px"))
-        .on_hover_text("Size of points ([ and ])");
+    if let PointSize::Pixels(pixels) = &mut settings.look.point_size {
+        ui.add(Slider::new(pixels, POINT_SIZES).suffix(" px")).on_hover_text("Size of points ([ and ])");
+    }
     asked
 }
 
 /// In the middle of an empty window.
-pub fn invitation(ui: &Ui, waiting_for: Option<&str>) {
-    let middle = ui.max_rect().center();
+pub fn invitation(ui: &Ui, screen: Rect, waiting_for: Option<&str>) {
+    let middle = screen.center();
     let (first, second) = match waiting_for {
         Some(name) => (format!("Opening {name} …"), String::new()),
         None => ("Drop a LAS or LAZ file here".to_owned(), "or a folder of them · F1 shows the controls".to_owned()),

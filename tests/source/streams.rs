@@ -295,3 +295,47 @@ fn inputs_that_give_nothing_fail_with_one_line() {
     let all = fail(&[text, folder]).to_string();
     assert!(all.starts_with("none of 2 inputs could be opened: "), "{all}");
 }
+
+/// One file of three is left while it is read: the others come whole, and the report says so.
+#[test]
+fn a_cancelled_file_ends_early_and_the_others_come_whole() {
+    let dir = tempfile::tempdir().unwrap();
+    let inputs = [big(dir.path(), As::Las), big(dir.path(), As::Laz(50_000)), big(dir.path(), As::LazVarying(300_000))];
+    for cancelled in 0..3 {
+        let stream = start(&inputs, 2);
+        let mut points = [0; 3];
+        let mut report = None;
+        for event in stream.events() {
+            match event {
+                // Most is still to come.
+                Event::Opened(_) => {}
+                Event::Batch(batch) => {
+                    points[batch.file as usize] += batch.len() as u64;
+                    if batch.file as usize == cancelled {
+                        stream.cancel_file(cancelled);
+                    }
+                    // As long as a picture takes: the threads fill all channels meanwhile.
+                    std::thread::sleep(Duration::from_millis(1));
+                }
+                Event::Finished(finished) => report = Some(finished),
+                Event::Failed(error) => panic!("{error}"),
+            }
+        }
+        let report = report.unwrap();
+        let decoded: Vec<u64> = report.files.iter().map(|f| f.points_decoded).collect();
+        assert_eq!(decoded, points);
+        for (i, file) in report.files.iter().enumerate() {
+            if i == cancelled {
+                assert!(file.points_decoded < 500_000, "{} points of a cancelled file", file.points_decoded);
+                assert!(file.error.as_ref().unwrap().contains("stopped"), "{:?}", file.error);
+            } else {
+                assert_eq!((file.points_decoded, file.error.as_deref()), (600_000, None));
+            }
+        }
+        // The same figures as the report's, up to the last batch.
+        let live: u64 = stream.thread_times().iter().map(|t| t.points).sum();
+        assert_eq!(live, report.threads.iter().map(|t| t.points).sum::<u64>());
+        // There is none of that number: nothing happens.
+        stream.cancel_file(99);
+    }
+}
