@@ -41,8 +41,8 @@ pub use filter::{
 };
 pub use frame::{FrameReport, FrameRequest, INSERTION_POINTS, Reprojection, StoreOptions};
 pub use gpu::{GpuBackend, ShadingUniform};
-pub use look::Look;
 pub use lens::Lens;
+pub use look::Look;
 pub use point_size::{MAX_PX, MAX_WORLD_PX, PointSize};
 pub use progressive::Progressive;
 pub use shading::{AVERAGED_DEPTH, EDL_GAIN, MOST_FRAGMENTS};

@@ -80,6 +80,12 @@ impl Cloud {
         self
     }
 
+    /// Other points, on the same grid.
+    pub fn replace(&mut self, positions: Vec<[i32; 3]>) {
+        self.positions = positions;
+        self.promise();
+    }
+
     /// The default camera.
     pub fn camera(&self) -> Camera {
         Camera::fit(&self.facts.bounds, &self.facts.grid, 4.0 / 3.0)

@@ -12,6 +12,7 @@ mod choice;
 mod cloud;
 mod convergence;
 mod high_quality;
+mod looks;
 mod projection;
 mod shaders;
 mod slow;

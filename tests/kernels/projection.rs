@@ -93,7 +93,8 @@ fn compare(
     let place =
         |steps: [f64; 3]| std::array::from_fn(|a| case.origin[a] + case.scale * (f64::from(case.center[a]) + steps[a]));
     let target = if case.eye_steps.iter().all(|c| c.abs() < 1.0) { [5e4, 5e4, 1e3] } else { [0.0; 3] };
-    let camera = Camera { eye: place(case.eye_steps), target: place(target), up: [0.0, 0.0, 1.0], fov_y_deg: 60.0, projection };
+    let camera =
+        Camera { eye: place(case.eye_steps), target: place(target), up: [0.0, 0.0, 1.0], fov_y_deg: 60.0, projection };
     let view = camera.view(&grid, SIZE, 1).unwrap();
     let (mut seen, mut other, mut depth_error) = (0, 0, 0.0_f64);
     for i in 0..POINTS {
@@ -107,7 +108,10 @@ fn compare(
         if let (Some(ours), Some(theirs)) = (ours, theirs) {
             let eye_rounding = 3f64.sqrt() / 8192.0 * case.scale;
             let error = (f64::from(ours.1) - theirs.1).abs() - eye_rounding;
-            depth_error = depth_error.max(error / theirs.1);
+            // Without perspective positions are taken from the target: numbers as large as its depth cancel.
+            let distance = camera.height_at_target() / (2.0 * 30f64.to_radians().tan());
+            let of = if projection == Projection::Perspective { theirs.1 } else { theirs.1.max(distance) };
+            depth_error = depth_error.max(error / of);
         }
     }
     (seen, other, depth_error)
@@ -175,7 +179,13 @@ fn one_subtraction_gives_the_bits_of_two() {
 #[test]
 fn degenerate_cameras() {
     let grid = Grid { scale: [0.001; 3], origin: UTM };
-    let good = Camera { eye: UTM, target: [500_010.0, 5_000_000.0, 300.0], up: [0.0, 0.0, 1.0], fov_y_deg: 60.0, ..Default::default() };
+    let good = Camera {
+        eye: UTM,
+        target: [500_010.0, 5_000_000.0, 300.0],
+        up: [0.0, 0.0, 1.0],
+        fov_y_deg: 60.0,
+        ..Default::default()
+    };
     let view = |camera: Camera| camera.view(&grid, SIZE, 1);
     assert!(view(good).is_ok());
     assert_eq!(view(Camera { target: good.eye, ..good }), Err(CameraError::NoDirection));

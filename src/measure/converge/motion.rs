@@ -174,7 +174,13 @@ mod tests {
     use super::*;
 
     fn start() -> Camera {
-        Camera { eye: [0.0, -100.0, 50.0], target: [0.0; 3], up: [0.0, 0.0, 1.0], fov_y_deg: 60.0, ..Default::default() }
+        Camera {
+            eye: [0.0, -100.0, 50.0],
+            target: [0.0; 3],
+            up: [0.0, 0.0, 1.0],
+            fov_y_deg: 60.0,
+            ..Default::default()
+        }
     }
 
     fn distance(camera: &Camera) -> f64 {

@@ -156,7 +156,13 @@ pub fn origin_shift(setup: &Setup) -> Result<Outcome, StabilityError> {
     let scene = Scene::new(grid, positions, colors);
     let camera = |frame: u32| {
         let x = 500.0 * f64::from(frame);
-        Camera { eye: [x, 0.0, 300.0], target: [x + 1000.0, 0.0, 0.0], up: [0.0, 0.0, 1.0], fov_y_deg: 60.0, ..Default::default() }
+        Camera {
+            eye: [x, 0.0, 300.0],
+            target: [x + 1000.0, 0.0, 0.0],
+            up: [0.0, 0.0, 1.0],
+            fov_y_deg: 60.0,
+            ..Default::default()
+        }
     };
     let world = |k: usize| grid.world(scene.positions[k]);
     let truth = |frame: u32| {

@@ -102,11 +102,7 @@ mod tests {
 
     #[test]
     fn faces_of_a_turned_box_belong_to_it() {
-        let b = ClipBox {
-            min: [500_010.0, 5_400_020.0, 0.0],
-            max: [500_030.0, 5_400_024.0, 1.0],
-            degrees: 90.0,
-        };
+        let b = ClipBox { min: [500_010.0, 5_400_020.0, 0.0], max: [500_030.0, 5_400_024.0, 1.0], degrees: 90.0 };
         // Turned by a right angle, it is 4 wide and 20 deep around (500 020, 5 400 022).
         let [u, v] = sides(&GRID, &b);
         let is_in = |x: f64, y: f64| {
