@@ -60,7 +60,7 @@ fn unlike(a: &Picture, b: &Picture) -> usize {
 
 #[test]
 fn every_projection_and_size_is_exact() {
-    let cloud = Cloud::town(6_000);
+    let cloud = Cloud::town(3_000);
     for (case, (projection, size)) in cases().into_iter().enumerate() {
         let mut reference: Option<Vec<Picture>> = None;
         for mut session in Session::all(&cloud, options(777)) {
@@ -69,7 +69,7 @@ fn every_projection_and_size_is_exact() {
             let pictures = in_motion(&mut session, &cloud, of);
             let what = format!("{projection:?}, {size:?}");
             let rest = session.assert_exact(&of(5), &what);
-            assert!(covered(&rest) > 300, "{what}: {} pixels", covered(&rest));
+            assert!(covered(&rest) > 200, "{what}: {} pixels", covered(&rest));
             let info = session.progressive.backend().info().clone();
             let is_exact = info.api == "cpu" || info.adapter.starts_with("llvmpipe");
             match &reference {
@@ -204,7 +204,9 @@ fn lighting_bears_any_range_of_depths() {
     cloud.facts.bounds = Bounds { min: [-1e6; 3], max: [1e6; 3] };
     for projection in [Projection::Perspective, Projection::Orthographic] {
         for strength in [0.4, 100.0] {
-            let camera = Camera { eye: [0.0; 3], target: [0.0, 0.002, 0.0], projection, ..Default::default() };
+            // All lie within the cone of a perspective camera; in the other picture, some.
+            let target = [0.0, if projection == Projection::Perspective { 0.002 } else { 2e3 }, 0.0];
+            let camera = Camera { eye: [0.0; 3], target, projection, ..Default::default() };
             let view = camera.view(&grid, SIZE, 1).unwrap();
             let shading = Shading { edl_strength: strength, ..Default::default() };
             let request = FrameRequest { view, fill: FillBudget::Fixed(1_000_000), shading };
