@@ -9,11 +9,33 @@ struct FileColor {
     high: u32,
 }
 @group(3) @binding(0) var<storage, read> files: array<FileColor>;
-// 256 colours, red in the lowest byte. A uniform: with the sums there is no room for a ninth storage
-// buffer, more than which WebGPU does not promise.
-@group(3) @binding(1) var<uniform> ramp: array<vec4<u32>, 64>;
+// A uniform: with the sums there is no room for a ninth storage buffer, more than which WebGPU does not promise.
+struct ColorTables {
+    // Four to a vector, for a uniform's arrays have no smaller step.
+    thresholds: array<vec4<u32>, 64>,
+    // 256 colours, red in the lowest byte.
+    ramp: array<vec4<u32>, 64>,
+}
+@group(3) @binding(1) var<uniform> tables: ColorTables;
 
-fn level(above: u32, range: u32) -> u32 {
+// `NO_DATA` in src/render/color.rs.
+const NO_DATA: u32 = 0x6e6e6eu;
+
+// The last threshold that `key` reaches. Twin: `level` in src/render/scale.rs.
+fn level_of(key: u32) -> u32 {
+    var at = 0u;
+    for (var step = 128u; step > 0u; step >>= 1u) {
+        let next = at + step;
+        at = select(at, next, tables.thresholds[next / 4u][next % 4u] <= key);
+    }
+    return at;
+}
+
+fn ramp_color(at: u32) -> u32 {
+    return tables.ramp[at / 4u][at % 4u] & 0xffffffu;
+}
+
+fn share_of(above: u32, range: u32) -> u32 {
     if range == 0u {
         return 0u;
     }
@@ -23,6 +45,11 @@ fn level(above: u32, range: u32) -> u32 {
 fn grey(above: u32, range: u32) -> u32 {
     let share = select(min(f32(above) / f32(range), 1.0), 0.0, range == 0u);
     return u32(sqrt(share) * 223.0 + 32.5);
+}
+
+fn grey_of(file: FileColor, attributes: vec2<u32>) -> u32 {
+    let intensity = attributes.y >> 16u;
+    return grey(intensity - min(intensity, file.low), file.high - file.low);
 }
 
 // The file of a record: the last one that begins at or before it.
@@ -51,13 +78,30 @@ fn point_color(file: FileColor, attributes: vec2<u32>, z: i32) -> u32 {
             return (rgb.x & 0xffu) | ((rgb.y & 0xffu) << 8u) | ((rgb.z & 0xffu) << 16u);
         }
         case 2u: {
-            let intensity = attributes.y >> 16u;
-            return grey(intensity - min(intensity, file.low), file.high - file.low) * 0x10101u;
+            return grey_of(file, attributes) * 0x10101u;
+        }
+        case 4u: {
+            return level_of(rgb.x) | (level_of(rgb.y) << 8u) | (level_of(rgb.z) << 16u);
+        }
+        case 5u: {
+            let wide = (rgb & vec3<u32>(0xffu)) * 257u;
+            return level_of(wide.x) | (level_of(wide.y) << 8u) | (level_of(wide.z) << 16u);
+        }
+        case 6u: {
+            return level_of(grey_of(file, attributes) * 257u) * 0x10101u;
+        }
+        case 7u: {
+            return ramp_color(level_of((attributes.y >> 16u) + 1u));
+        }
+        case 8u: {
+            return ramp_color(level_of(bitcast<u32>(z) ^ 0x80000000u));
+        }
+        case 9u: {
+            return file.low;
         }
         default: {
             let above = bitcast<u32>(max(z, bitcast<i32>(file.low))) - file.low;
-            let at = level(above, file.high - file.low);
-            return ramp[at / 4u][at % 4u] & 0xffffffu;
+            return ramp_color(share_of(above, file.high - file.low));
         }
     }
 }

@@ -33,3 +33,14 @@ fn identify(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gr
         shown_records[pixel] = records[slot];
     }
 }
+
+// For column.wgsl: the record of each pixel, and the colour of a point without a value.
+@compute @workgroup_size(256)
+fn blank(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let pixel = line_index(group, groups, local);
+    let slot = shown_slot(pixel);
+    if slot < page.len {
+        shown_records[pixel] = records[slot];
+        colors[pixel] = NO_DATA | OPAQUE;
+    }
+}

@@ -124,6 +124,8 @@ pub enum RenderError {
     NoMemoryForSums { width: u32, height: u32, detail: String },
     #[error("out of memory after {stored} points ({detail}); the points so far are shown")]
     OutOfMemory { stored: u64, detail: String },
+    #[error("no memory for the values to colour by ({detail}); colour by rgb, elevation or file (--color-by)")]
+    NoMemoryForValues { detail: String },
     #[error("the GPU stopped working: {0}")]
     DeviceLost(String),
 }

@@ -253,6 +253,8 @@ pub struct RecordFacts {
     pub format: u8,
     /// Degrees per step of the scan angle: 1 in formats 0 to 5, 0.006 in 6 to 10.
     pub scan_angle_step: f64,
+    /// The points' intensities are read; else they are zero.
+    pub has_intensities: bool,
     /// Extra bytes per point.
     pub extra_bytes: usize,
     /// What they mean, as far as the file says.

@@ -3,7 +3,10 @@
 use clap::Args;
 
 use super::values;
-use crate::render::{Clause, Clip, ClipBox, Filter, Look, PointSize, Projection, Shading, Slab};
+use crate::render::{
+    CLIP_PERCENT, Clause, Clip, ClipBox, ColorBy, ColorMap, Coloring, Filter, Look, PointSize, Projection, Shading,
+    Slab, Tone,
+};
 
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "How it looks")]
@@ -19,6 +22,7 @@ pub struct LookArgs {
     #[arg(long, value_name = "STRENGTH", default_value_t = Shading::default().edl_strength, value_parser = values::parse_strength, allow_negative_numbers = true)]
     edl: f32,
     /// High-quality shading: each pixel shows the mean colour of all points within 1 % behind its nearest
+    /// (not with attributes that are neither rgb, intensity, elevation nor file)
     #[arg(long)]
     hq: bool,
     /// Show only points whose attribute has one of these values: class=2,6 or class!=7 or elevation=10..55.5 or
@@ -31,6 +35,58 @@ pub struct LookArgs {
     /// Show only a section: a point of it, the direction across, and how thick it is
     #[arg(long, value_name = "X,Y,Z,NX,NY,NZ,THICKNESS", allow_negative_numbers = true)]
     slab: Option<Slab>,
+    #[command(flatten)]
+    color: ColorArgs,
+}
+
+/// The options of what points are coloured by, and how.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "How it is coloured")]
+pub struct ColorArgs {
+    /// auto (rgb if a file has any, else intensity, else elevation), rgb, intensity, elevation, classification,
+    /// return-number, number-of-returns, point-source, user-data, scan-angle, gps-time, file, or extra:NAME, an
+    /// extra-bytes dimension
+    #[arg(long, value_name = "WHAT", default_value = "auto")]
+    color_by: ColorBy,
+    /// Values that have the first and the last colour, in the attribute's unit; by default from the points
+    #[arg(long, value_name = "LOW,HIGH", value_parser = values::parse_range, allow_hyphen_values = true)]
+    color_range: Option<[f64; 2]>,
+    /// Percent of the points that the automatic range leaves out at either end, 0 to below 50
+    #[arg(long, value_name = "PERCENT", default_value_t = CLIP_PERCENT, value_parser = values::parse_clip, allow_negative_numbers = true)]
+    color_clip: f64,
+    /// viridis, plasma, inferno, magma, cividis, turbo, spectral or grey; by default grey for intensity, else
+    /// viridis
+    #[arg(long, value_name = "MAP")]
+    color_map: Option<ColorMap>,
+    /// Another colour for a class, such as 6=#ff0000; may be repeated
+    #[arg(long, value_name = "CLASS=#RRGGBB", value_delimiter = ',', value_parser = values::parse_class_color)]
+    class_color: Vec<(u8, [u8; 3])>,
+    /// Added to all colours, −1 to 1
+    #[arg(long, value_name = "N", default_value_t = Tone::default().brightness, value_parser = values::parse_brightness, allow_negative_numbers = true)]
+    brightness: f64,
+    /// Contrast of all colours around the middle, 0 to 10
+    #[arg(long, value_name = "FACTOR", default_value_t = Tone::default().contrast, value_parser = values::parse_contrast, allow_negative_numbers = true)]
+    contrast: f64,
+    /// Above 1 lightens the dark, 0.1 to 10
+    #[arg(long, value_name = "GAMMA", default_value_t = Tone::default().gamma, value_parser = values::parse_gamma, allow_negative_numbers = true)]
+    gamma: f64,
+}
+
+impl ColorArgs {
+    pub fn coloring(&self) -> Coloring {
+        let mut coloring = Coloring {
+            by: self.color_by.clone(),
+            map: self.color_map,
+            range: self.color_range,
+            clip_percent: self.color_clip,
+            tone: Tone { brightness: self.brightness, contrast: self.contrast, gamma: self.gamma },
+            ..Default::default()
+        };
+        for &(class, color) in &self.class_color {
+            coloring.classes.set_color(class, color);
+        }
+        coloring
+    }
 }
 
 impl LookArgs {
@@ -40,6 +96,7 @@ impl LookArgs {
             point_size: self.point_size.unwrap_or(point_size),
             projection: if self.orthographic { Projection::Orthographic } else { Projection::Perspective },
             shading: Shading { edl_strength: self.edl, high_quality: self.hq, ..Default::default() },
+            coloring: self.color.coloring(),
             filter: Filter { clauses: self.filter.clone() },
             clip: Clip { bounds: self.clip, slab: self.slab },
         }

@@ -145,6 +145,58 @@ pub fn parse_threads(text: &str) -> Result<usize, String> {
     }
 }
 
+/// `LOW,HIGH`: two numbers, the first the smaller.
+pub fn parse_range(text: &str) -> Result<[f64; 2], String> {
+    let wrong = || format!("expected two numbers, the smaller first, such as -10,250.5, found `{text}`");
+    let (low, high) = text.split_once(',').ok_or_else(wrong)?;
+    let [low, high] = [low, high].map(|n| n.trim().parse::<f64>().ok().filter(|n| n.is_finite()));
+    match (low, high) {
+        (Some(low), Some(high)) if low < high => Ok([low, high]),
+        _ => Err(wrong()),
+    }
+}
+
+/// A number within limits, the upper one included only if `closed`.
+fn number_within(text: &str, [low, high]: [f64; 2], closed: bool) -> Result<f64, String> {
+    let ok = |n: &f64| *n >= low && (*n < high || closed && *n == high);
+    let until = if closed { "to" } else { "to below" };
+    text.parse().ok().filter(ok).ok_or_else(|| format!("expected a number from {low} {until} {high}, found `{text}`"))
+}
+
+/// Percent that are left out at either end.
+pub fn parse_clip(text: &str) -> Result<f64, String> {
+    number_within(text, [0.0, 50.0], false)
+}
+
+pub fn parse_brightness(text: &str) -> Result<f64, String> {
+    number_within(text, [-1.0, 1.0], true)
+}
+
+pub fn parse_contrast(text: &str) -> Result<f64, String> {
+    number_within(text, [0.0, 10.0], true)
+}
+
+pub fn parse_gamma(text: &str) -> Result<f64, String> {
+    number_within(text, [0.1, 10.0], true)
+}
+
+/// `#ff8000`, or without the sign: red, green, blue.
+pub fn parse_color(text: &str) -> Result<[u8; 3], String> {
+    let digits = text.strip_prefix('#').unwrap_or(text);
+    let is_hex = digits.len() == 6 && digits.bytes().all(|b| b.is_ascii_hexdigit());
+    let number = u32::from_str_radix(digits, 16).ok().filter(|_| is_hex);
+    let [_, r, g, b] =
+        number.ok_or_else(|| format!("expected a colour such as #ff8000, found `{text}`"))?.to_be_bytes();
+    Ok([r, g, b])
+}
+
+/// `6=#ff0000`: the number of a class and its colour.
+pub fn parse_class_color(text: &str) -> Result<(u8, [u8; 3]), String> {
+    let wrong = || format!("expected a class, 0 to 255, and its colour, such as 6=#ff0000, found `{text}`");
+    let (class, color) = text.split_once('=').ok_or_else(wrong)?;
+    Ok((class.trim().parse().map_err(|_| wrong())?, parse_color(color.trim())?))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

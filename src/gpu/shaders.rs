@@ -131,11 +131,13 @@ shader!(
     "sums_64",
     "resolve_average"
 );
+shader!(COLUMN, NOTHING, "group", "project", "column_page", "column");
+shader!(FILL_COLUMN, NOTHING, "group", "column_page", "fill_column");
 shader!(LIGHT, NOTHING, "group", "project", "light");
 shader!(COPY, NOTHING, "group", "methods/copy");
 
 /// All modules, for the tests.
-pub const ALL: [&Shader; 20] = [
+pub const ALL: [&Shader; 22] = [
     &INSERT,
     &MOVE,
     &RELOCATE,
@@ -154,6 +156,8 @@ pub const ALL: [&Shader; 20] = [
     &AVERAGE_64,
     &RESOLVE_32,
     &RESOLVE_64,
+    &COLUMN,
+    &FILL_COLUMN,
     &LIGHT,
     &COPY,
 ];

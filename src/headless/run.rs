@@ -42,8 +42,11 @@ pub fn render(settings: &Settings) -> Result<Report, HeadlessError> {
     // Reading starts first: a GPU takes a while to set up.
     // What stops half-way repeats bit for bit: then the order of the points must not depend on the disk.
     let slow_read = matches!(settings.stop, Stop::Frames(_) | Stop::Points(_)).then_some(Duration::MAX);
-    let stream =
-        source::open(&settings.inputs, OpenOptions { threads: settings.threads, slow_read, ..Default::default() });
+    let fields = settings.fields();
+    let stream = source::open(
+        &settings.inputs,
+        OpenOptions { threads: settings.threads, slow_read, fields, ..Default::default() },
+    );
     let (backend, backend_name, notes) = make_backend(settings.backend, settings.method, settings.threads)?;
     let mut report = Report::new(settings, backend.info(), backend_name);
     report.notes = notes;
@@ -145,8 +148,7 @@ impl Run<'_> {
     /// Nobody sees the frames before the last, so that averages wait until they can stay: unless the run
     /// stops at a given frame, which is to be what a viewer shows.
     fn without_early_averages(&self, mut request: FrameRequest) -> FrameRequest {
-        let counts_frames = matches!(self.settings.stop, Stop::Frames(_));
-        request.shading.high_quality &= counts_frames || self.depths_are_final;
+        request.shading.high_quality &= counts_frames(self.settings.stop) || self.depths_are_final;
         request
     }
 
@@ -170,7 +172,11 @@ impl Run<'_> {
                 self.tally = Tally::new(facts.files.len());
                 self.progress.expect(facts.points_in_header());
                 self.report.notes.extend(facts.warnings.iter().cloned());
+                let coloring = &self.settings.look.coloring;
+                self.report.notes.extend(coloring.absences(&facts));
                 self.progressive.open(facts.clone());
+                self.progressive.set_coloring(coloring);
+                self.progressive.carry(coloring.by.attribute().cloned());
                 self.facts = Some(facts);
             }
             Event::Batch(batch) => {
@@ -230,8 +236,13 @@ impl Run<'_> {
         match self.settings.stop {
             _ if self.settings.brute_force => loaded,
             Stop::Frames(frames) if self.report.frames >= frames => true,
-            _ => loaded && frame.is_converged() && frame.high_quality == self.settings.look.shading.high_quality,
+            _ => loaded && frame.is_converged() && frame.high_quality == self.is_high_quality(),
         }
+    }
+
+    /// High-quality shading is asked for, and these colours can be averaged.
+    fn is_high_quality(&self) -> bool {
+        self.settings.look.shading.high_quality && self.progressive.can_average()
     }
 
     fn draw_brute_force(&mut self, request: &FrameRequest) -> Result<FrameReport, HeadlessError> {
@@ -271,6 +282,10 @@ impl Run<'_> {
             report.reader_memory_bound_bytes = Some(source.memory_bound_bytes);
             report.reader_threads.clone_from(&source.threads);
         }
+        if self.settings.look.shading.high_quality && !self.progressive.can_average() {
+            let by = &self.settings.look.coloring.by;
+            report.notes.push(format!("--hq averages no {by}: each pixel shows its nearest point"));
+        }
         if last.high_quality {
             report.high_quality = Some(self.progressive.backend().sums().to_string());
             report.points_averaged = last.points_averaged;
@@ -278,6 +293,10 @@ impl Run<'_> {
         report.picture_sha256 = picture_sha256(picture);
         report
     }
+}
+
+fn counts_frames(stop: Stop) -> bool {
+    matches!(stop, Stop::Frames(_))
 }
 
 /// The report comes last: where it is, the rest is too.

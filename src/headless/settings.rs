@@ -3,7 +3,10 @@
 use std::{path::PathBuf, time::Instant};
 
 use super::{outputs::Outputs, progress::ProgressStyle};
-use crate::render::{Camera, FillBudget, Look, RasterChoice, StoreOptions};
+use crate::{
+    render::{Camera, ColorBy, FillBudget, Look, RasterChoice, StoreOptions},
+    source::Fields,
+};
 
 /// Points that a frame's fill tries on the way to the converged picture. Nobody watches, so frames may
 /// be long, and the fewer, the less is spent on what each costs anyway: a budget that follows a frame
@@ -75,6 +78,15 @@ pub struct Settings {
 }
 
 impl Settings {
+    /// What has to be read for the colours; `None`: what the automatic ones depend on, file by file.
+    pub(super) fn fields(&self) -> Option<Fields> {
+        match &self.look.coloring.by {
+            ColorBy::Auto => None,
+            ColorBy::Rgb => Some(Fields { rgb: true, ..Fields::NONE }),
+            ColorBy::Attribute(attribute) => Some(Fields::of([attribute])),
+        }
+    }
+
     pub(super) fn store_options(&self) -> StoreOptions {
         let mut options =
             StoreOptions { seed: self.seed, insertion_points: self.insertion_points, ..Default::default() };

@@ -1,10 +1,15 @@
 //! What a backend must be able to do; [`super::Progressive`] decides what it does in which frame.
 
-use std::ops::Range;
+use std::{ops::Range, sync::Arc};
 
 use serde::{Deserialize, Serialize};
 
-use super::{choice::Choice, color::FileColor, view::View};
+use super::{
+    choice::Choice,
+    color::PointColors,
+    column::{ColumnId, Keys},
+    view::View,
+};
 use crate::{
     device::{PassTimes, Passes, Raster, RenderError},
     scene::PointBatch,
@@ -37,8 +42,7 @@ pub struct FramePlan {
     /// Slots to draw besides.
     pub fill: [Range<u32>; 2],
     pub shading: Shading,
-    /// Colour rule of each file, in order of their first records.
-    pub files: Vec<FileColor>,
+    pub colors: Arc<PointColors>,
     /// The second pass of high-quality shading; without, each pixel shows its front point.
     pub averaging: Option<Averaging>,
     /// A picture for comparing while a scene converges: which slots were visible, which are fresh, and the sums stay
@@ -148,6 +152,17 @@ pub trait Backend {
     /// Inserts a batch. Its points are *fresh* until the next frame.
     fn insert(&mut self, insertion: &Insertion, points: &PointBatch) -> Result<(), RenderError>;
 
+    /// Puts values in their places by record number; `keys` are those of `records`, at most
+    /// [`BATCH_POINTS`](crate::scene::BATCH_POINTS), each once. A column begins with its first values, and all of its
+    /// keys are of one kind.
+    ///
+    /// # Errors
+    /// [`RenderError::NoMemoryForValues`]; what was there stays.
+    fn fill_column(&mut self, column: ColumnId, records: &[u32], keys: Keys<'_>) -> Result<(), RenderError>;
+
+    /// Frees a column.
+    fn drop_column(&mut self, column: ColumnId);
+
     /// Switches off that the lists of slots follow points which an insertion moves (or on again). For measuring
     /// what that is worth: without it, a picture loses points while a file loads.
     fn set_relocation(&mut self, on: bool);
@@ -188,6 +203,12 @@ impl<B: Backend + ?Sized> Backend for Box<B> {
     }
     fn insert(&mut self, insertion: &Insertion, points: &PointBatch) -> Result<(), RenderError> {
         (**self).insert(insertion, points)
+    }
+    fn fill_column(&mut self, column: ColumnId, records: &[u32], keys: Keys<'_>) -> Result<(), RenderError> {
+        (**self).fill_column(column, records, keys)
+    }
+    fn drop_column(&mut self, column: ColumnId) {
+        (**self).drop_column(column);
     }
     fn set_relocation(&mut self, on: bool) {
         (**self).set_relocation(on);

@@ -1,21 +1,80 @@
 //! Attributes to colour: per file a rule, shared with the resolve kernel.
 
+use super::{
+    column::ColumnColors,
+    scale::{grid_key, level},
+};
 use crate::scene::ColorRule;
 
-/// A file's colour rule. Layout shared with `shaders/resolve.wgsl`.
+/// The colour of points that do not have what they are to be coloured by. `shaders/color.wgsl` has the same.
+pub const NO_DATA: [u8; 3] = [110, 110, 110];
+
+/// A file's colour rule. Layout shared with `shaders/color.wgsl`.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct FileColor {
     /// Record number of the file's first point.
     pub first_record: u32,
-    /// 0: 16-bit RGB, 1: 8-bit RGB, 2: intensity, 3: elevation.
+    /// 0: 16-bit RGB, 1: 8-bit RGB, 2: intensity as grey, 3: elevation; 4, 5, 6: as 0, 1, 2 with the scale's
+    /// thresholds for a tone; 7, 8: intensity and elevation by the scale; 9: `low` is the colour.
     pub kind: u32,
     /// Range that is shown: of the intensity, or of the grid's third coordinate (as i32).
     pub low: u32,
     pub high: u32,
 }
 
+/// All colours of a frame.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PointColors {
+    /// Colour rule of each file, in order of their first records.
+    pub files: Vec<FileColor>,
+    /// The tone's, or the scale's of intensity or elevation, where a rule asks for them.
+    pub thresholds: [u32; 256],
+    /// Red, green, blue, 255; of elevation and the scale.
+    pub ramp: [[u8; 4]; 256],
+    /// The colours are those of a column of values instead.
+    pub column: Option<ColumnColors>,
+}
+
+impl From<Vec<FileColor>> for PointColors {
+    fn from(files: Vec<FileColor>) -> PointColors {
+        PointColors { files, thresholds: [u32::MAX; 256], ramp: elevation_ramp(), column: None }
+    }
+}
+
+impl PointColors {
+    /// Red, green, blue of a point with these values, by its file's rule.
+    pub fn color(&self, record: u32, attributes: [u16; 4], z: i32) -> [u8; 3] {
+        self.file_of(record).color_by(attributes, z, &self.ramp, &self.thresholds)
+    }
+
+    /// The file that a record is of: the last that begins at or before it.
+    fn file_of(&self, record: u32) -> &FileColor {
+        &self.files[self.files.partition_point(|file| file.first_record <= record).max(1) - 1]
+    }
+}
+
 impl FileColor {
+    /// The same colour for all points of a file.
+    pub fn constant(first_record: u32, [r, g, b]: [u8; 3]) -> FileColor {
+        FileColor { first_record, kind: 9, low: u32::from_le_bytes([r, g, b, 0]), high: 0 }
+    }
+
+    /// Intensity by the scale of [`PointColors`].
+    pub fn intensity(first_record: u32) -> FileColor {
+        FileColor { first_record, kind: 7, low: 0, high: 0 }
+    }
+
+    /// Elevation by the scale of [`PointColors`].
+    pub fn elevation(first_record: u32) -> FileColor {
+        FileColor { first_record, kind: 8, low: 0, high: 0 }
+    }
+
+    /// With the tone that the thresholds of [`PointColors`] are of. Elevation has none but in its ramp.
+    pub fn toned(self) -> FileColor {
+        FileColor { kind: if self.kind < 3 { self.kind + 4 } else { self.kind }, ..self }
+    }
+
     pub fn new(first_record: u32, rule: ColorRule) -> FileColor {
         let (kind, low, high) = match rule {
             ColorRule::Rgb16 => (0, 0, 0),
@@ -26,19 +85,33 @@ impl FileColor {
         FileColor { first_record, kind, low, high }
     }
 
-    /// Red, green, blue of a point with these attributes. Twin of `point_color` in
-    /// `shaders/resolve.wgsl`. `ramp` is [`elevation_ramp`].
+    /// Red, green, blue of a point with these attributes, by a rule that needs no thresholds. `ramp` is
+    /// [`elevation_ramp`].
     pub fn color(&self, attributes: [u16; 4], z: i32, ramp: &[[u8; 4]; 256]) -> [u8; 3] {
+        self.color_by(attributes, z, ramp, &[u32::MAX; 256])
+    }
+
+    /// Twin of `point_color` in `shaders/color.wgsl`.
+    fn color_by(&self, attributes: [u16; 4], z: i32, ramp: &[[u8; 4]; 256], thresholds: &[u32; 256]) -> [u8; 3] {
         let [r, g, b, intensity] = attributes;
+        let rgb = [r, g, b];
+        let toned = |value: u32| level(thresholds, value) as u8;
+        let grey = || grey(u32::from(intensity).saturating_sub(self.low), self.high - self.low);
+        let of_ramp = |at: usize| [ramp[at][0], ramp[at][1], ramp[at][2]];
         match self.kind {
-            0 => [r, g, b].map(|c| (c >> 8) as u8),
-            1 => [r, g, b].map(|c| (c & 255) as u8),
-            2 => [grey(u32::from(intensity).saturating_sub(self.low), self.high - self.low); 3],
+            0 => rgb.map(|c| (c >> 8) as u8),
+            1 => rgb.map(|c| (c & 255) as u8),
+            2 => [grey(); 3],
+            4 => rgb.map(|c| toned(c.into())),
+            5 => rgb.map(|c| toned(u32::from(c & 255) * 257)),
+            6 => [toned(u32::from(grey()) * 257); 3],
+            7 => of_ramp(level(thresholds, u32::from(intensity) + 1)),
+            8 => of_ramp(level(thresholds, grid_key(z))),
+            9 => std::array::from_fn(|channel| self.low.to_le_bytes()[channel]),
             _ => {
                 let (low, high) = (self.low.cast_signed(), self.high.cast_signed());
                 let above = z.max(low).wrapping_sub(low).cast_unsigned();
-                let [r, g, b, _] = ramp[usize::from(level(above, high.wrapping_sub(low).cast_unsigned()))];
-                [r, g, b]
+                of_ramp(share(above, high.wrapping_sub(low).cast_unsigned()).into())
             }
         }
     }
@@ -52,7 +125,7 @@ fn grey(above: u32, range: u32) -> u8 {
 }
 
 /// `above / range` as 0 to 255; 0 for an empty range.
-fn level(above: u32, range: u32) -> u8 {
+fn share(above: u32, range: u32) -> u8 {
     if range == 0 {
         return 0;
     }

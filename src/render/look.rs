@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::{
     backend::Shading,
     camera::Projection,
+    coloring::Coloring,
     filter::{Clip, Filter},
     point_size::PointSize,
 };
@@ -18,6 +19,7 @@ pub struct Look {
     /// What a camera is made with; one that was given keeps its own if that is orthographic.
     pub projection: Projection,
     pub shading: Shading,
+    pub coloring: Coloring,
     /// Which points are shown, by their attributes.
     pub filter: Filter,
     /// Which part of space is shown.

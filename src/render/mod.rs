@@ -15,16 +15,24 @@ mod budget;
 mod camera;
 mod choice;
 mod color;
+mod coloring;
+mod column;
 mod cpu;
 mod filter;
 mod frame;
 mod gpu;
+mod histogram;
 mod in_motion;
+mod keys;
 mod lens;
 mod look;
+mod paint;
 mod point_size;
 mod progressive;
+mod progressive_values;
+mod scale;
 mod shading;
+mod values;
 mod view;
 
 pub use crate::device::{PassTimes, Passes, Raster, RenderError};
@@ -34,16 +42,23 @@ pub use camera::{Camera, CameraError, Projection, SOUTH_AND_ABOVE};
 pub use choice::{
     Candidate, Choice, Clock, GROUP_SIZES, MARGIN, Measured, Measurement, RasterChoice, Speed, Why, best,
 };
-pub use color::{FileColor, elevation_ramp};
+pub use color::{FileColor, NO_DATA, PointColors, elevation_ramp};
+pub use coloring::{
+    CLIP_PERCENT, Class, ClassTable, ColorBy, ColorMap, Coloring, Tone, UnknownColor, UnknownMap, palette,
+};
+pub use column::{ColumnColors, ColumnId, Keys, Lookup};
 pub use cpu::{CpuBackend, list_visible};
 pub use filter::{
     Clause, ClauseError, Clip, ClipBox, ClipError, Filter, Key, MaskRules, RULE_WORDS, Slab, Test, Values, ValuesError,
 };
 pub use frame::{FrameReport, FrameRequest, INSERTION_POINTS, Reprojection, StoreOptions};
+pub use gpu::{ColorTablesUniform, ColumnScaleUniform, GpuBackend, ShadingUniform};
 pub use gpu::{GpuBackend, ShadingUniform};
+pub use histogram::{AttributeStats, Histogram};
 pub use lens::Lens;
 pub use look::Look;
 pub use point_size::{MAX_PX, MAX_WORLD_PX, PointSize};
 pub use progressive::Progressive;
+pub use scale::{Scale, Transfer, key_of, value_of};
 pub use shading::{AVERAGED_DEPTH, EDL_GAIN, MOST_FRAGMENTS};
 pub use view::{Projected, View};

@@ -6,8 +6,10 @@ use super::{
     averages::Averages,
     backend::{Averaging, Backend, FramePlan, Picture, Shading},
     budget::{BudgetController, FillBudget},
-    color::FileColor,
+    color::PointColors,
+    coloring::Coloring,
     frame::{FrameReport, FrameRequest, MAX_POINTS, Reprojection, StoreOptions},
+    values::Values,
     view::View,
 };
 use crate::{
@@ -18,13 +20,16 @@ use crate::{
 
 /// A scene that grows while it is drawn.
 pub struct Progressive<B> {
-    backend: B,
+    pub(super) backend: B,
     options: StoreOptions,
     reprojection: Reprojection,
-    scene: Option<Arc<SceneFacts>>,
-    stats: Vec<ColorStats>,
-    /// What `stats` say of each file.
-    file_colors: Vec<FileColor>,
+    pub(super) scene: Option<Arc<SceneFacts>>,
+    pub(super) stats: Vec<ColorStats>,
+    pub(super) coloring: Coloring,
+    pub(super) values: Values,
+    /// What comes of `coloring`, `stats` and `values`, unless these have changed since.
+    pub(super) colors: Arc<PointColors>,
+    pub(super) colors_are_stale: bool,
     /// Batches not yet (wholly) staged; of the first, `taken` points are.
     queue: VecDeque<PointBatch>,
     taken: usize,
@@ -50,6 +55,7 @@ pub struct Progressive<B> {
     last_view: Option<View>,
     last_method: Option<Raster>,
     last_shading: Option<Shading>,
+    last_colors: Option<Arc<PointColors>>,
     /// The words of the last frame are those of a picture aside.
     words_are_gone: bool,
 }
@@ -63,7 +69,10 @@ impl<B: Backend> Progressive<B> {
             reprojection: Reprojection::default(),
             scene: None,
             stats: Vec::new(),
-            file_colors: Vec::new(),
+            coloring: Coloring::default(),
+            values: Values::default(),
+            colors: Arc::new(Vec::new().into()),
+            colors_are_stale: false,
             queue: VecDeque::new(),
             taken: 0,
             spent: Vec::new(),
@@ -83,6 +92,7 @@ impl<B: Backend> Progressive<B> {
             last_view: None,
             last_method: None,
             last_shading: None,
+            last_colors: None,
             words_are_gone: false,
         }
     }
@@ -108,8 +118,8 @@ impl<B: Backend> Progressive<B> {
     pub fn open(&mut self, scene: Arc<SceneFacts>) {
         self.backend.reset(scene.points_in_header().min(self.options.max_points));
         self.stats = vec![ColorStats::default(); scene.files.len()];
-        let unseen = ColorStats::default().rule();
-        self.file_colors = scene.files.iter().map(|file| FileColor::new(file.first_record, unseen)).collect();
+        self.values = Values::new(scene.clone());
+        self.colors_are_stale = true;
         self.scene = Some(scene);
         self.spent.extend(self.queue.drain(..));
         self.taken = 0;
@@ -208,6 +218,13 @@ impl<B: Backend> Progressive<B> {
         let limit = if self.insertions == 0 { limit.min(1) } else { limit };
         self.insert_waiting(self.budget.insertions(request.fill, limit))?;
         self.insert_secs = start.elapsed().as_secs_f64();
+        if let Some(refusal) = self.values.take_refusal() {
+            return Err(refusal);
+        }
+        if self.is_loaded() {
+            self.values.end_carrying();
+        }
+        self.refresh_colors();
         if self.unsettled && self.is_loaded() {
             self.restart();
         }
@@ -215,9 +232,10 @@ impl<B: Backend> Progressive<B> {
             self.restart();
         }
         let has_all_depths = !view_changed && self.undrawn == 0 && self.coverage.is_complete(self.stored);
-        let is_high = request.shading.high_quality;
-        let has_all = has_all_depths && (!is_high || self.averages.are_complete(self.stored, &self.file_colors));
-        if has_all && self.last_shading == Some(request.shading) {
+        let is_high = request.shading.high_quality && self.can_average();
+        let has_all = has_all_depths && (!is_high || self.averages.are_complete(self.stored, &self.colors));
+        let is_last = self.last_shading == Some(request.shading) && self.last_colors.as_ref() == Some(&self.colors);
+        if has_all && is_last {
             return Ok(self.report(request, false, 0));
         }
         let plan = if has_all_depths && is_high { self.plan_averages(request) } else { self.plan_depths(request) };
@@ -228,12 +246,13 @@ impl<B: Backend> Progressive<B> {
     /// Draws all points stored, without regard to what was visible before.
     pub fn brute_force(&mut self, request: &FrameRequest) -> Result<FrameReport, RenderError> {
         self.insert_waiting(self.backend.insertions_per_frame() - self.undrawn)?;
+        self.refresh_colors();
         self.coverage = Coverage::default();
         self.unsettled = false;
         self.averages = Averages::default();
         let fill = self.coverage.advance(self.stored, self.stored);
-        let sums = request.shading.high_quality;
-        let averaging = sums.then(|| self.averages.go_on(self.stored, self.stored, &self.file_colors));
+        let sums = request.shading.high_quality && self.can_average();
+        let averaging = sums.then(|| self.averages.go_on(self.stored, self.stored, &self.colors));
         let plan = FramePlan { fill, averaging, reproject: false, fresh: false, ..self.empty_plan(request) };
         self.draw(&plan)?;
         Ok(self.report(request, true, self.stored))
@@ -259,7 +278,7 @@ impl<B: Backend> Progressive<B> {
     /// The depths are final: what is left of high-quality shading.
     fn plan_averages(&mut self, request: &FrameRequest) -> FramePlan {
         let budget = self.budget.points(request.fill, Passes::Sums);
-        let averaging = self.averages.go_on(self.stored, budget, &self.file_colors);
+        let averaging = self.averages.go_on(self.stored, budget, &self.colors);
         // What was visible gives the same words again.
         FramePlan { keeps_depths: !self.words_are_gone, averaging: Some(averaging), ..self.empty_plan(request) }
     }
@@ -267,7 +286,8 @@ impl<B: Backend> Progressive<B> {
     /// Depths of what was visible, is new, or was not tried yet; with high-quality shading, if there is
     /// time for it, also the averages of these points.
     fn plan_depths(&mut self, request: &FrameRequest) -> FramePlan {
-        let averages = request.shading.high_quality && self.budget.averages_in_motion(request.fill);
+        let high = request.shading.high_quality && self.can_average();
+        let averages = high && self.budget.averages_in_motion(request.fill);
         let passes = if averages { Passes::DepthsAndSums } else { Passes::Depths };
         let budget = self.budget.points(request.fill, passes);
         let fill = self.coverage.advance(self.stored, budget);
@@ -276,7 +296,7 @@ impl<B: Backend> Progressive<B> {
             false => Averaging { begins: true, lists: true, slots: fill.clone() },
             // The depths are final after this frame's first pass, unless points keep arriving; then the
             // fill has nothing to try, and the averages go round on their own.
-            true if self.undrawn == 0 => self.averages.go_on(self.stored, budget, &self.file_colors),
+            true if self.undrawn == 0 => self.averages.go_on(self.stored, budget, &self.colors),
             true => self.averages.sample(self.stored, budget),
         });
         FramePlan { fill, averaging, ..self.empty_plan(request) }
@@ -294,7 +314,7 @@ impl<B: Backend> Progressive<B> {
             fresh: true,
             fill: Default::default(),
             shading: request.shading,
-            files: self.file_colors.clone(),
+            colors: self.colors.clone(),
             averaging: None,
             aside: false,
         }
@@ -312,6 +332,7 @@ impl<B: Backend> Progressive<B> {
         self.undrawn = 0;
         self.last_view = Some(plan.view);
         self.last_shading = Some(plan.shading);
+        self.last_colors = Some(plan.colors.clone());
         self.last_passes = plan.passes();
         self.words_are_gone = false;
         Ok(())
@@ -324,7 +345,7 @@ impl<B: Backend> Progressive<B> {
             points_tried: self.coverage.tried().into(),
             settled: !self.unsettled,
             fill,
-            high_quality: request.shading.high_quality,
+            high_quality: request.shading.high_quality && self.can_average(),
             points_averaged: self.averages.points(),
         }
     }
@@ -346,7 +367,13 @@ impl<B: Backend> Progressive<B> {
             }
             let StoreOptions { order, seed, .. } = self.options;
             let insertion = Insertion::in_order(order, self.stored, count, seed, self.insertions);
-            if let Err(error) = self.backend.insert(&insertion, &self.staged) {
+            let mut inserted = self.backend.insert(&insertion, &self.staged);
+            if matches!(inserted, Err(RenderError::OutOfMemory { .. }))
+                && self.values.give_way(&mut self.backend, &self.coloring)
+            {
+                inserted = self.backend.insert(&insertion, &self.staged);
+            }
+            if let Err(error) = inserted {
                 self.memory_full |= matches!(error, RenderError::OutOfMemory { .. });
                 return Err(error);
             }
@@ -375,9 +402,9 @@ impl<B: Backend> Progressive<B> {
         {
             // Also if the batch will enter only in part: its points need a rule for their colours.
             if self.taken == 0 {
-                let file = batch.file as usize;
-                self.stats[file].merge(&batch.stats);
-                self.file_colors[file] = FileColor::new(self.file_colors[file].first_record, self.stats[file].rule());
+                self.stats[batch.file as usize].merge(&batch.stats);
+                self.values.take_points(batch, &mut self.backend, &self.coloring);
+                self.colors_are_stale = true;
             }
             if self.taken == 0 && self.staged.is_empty() && batch.len() <= wanted {
                 // A whole batch becomes the start of the insertion without a copy.

@@ -225,6 +225,7 @@ impl FilePlan {
             record: RecordFacts {
                 format: self.header.format,
                 scan_angle_step: if self.reader.layout.extended { 0.006 } else { 1.0 },
+                has_intensities: self.reader.fields.intensity,
                 extra_bytes: self.reader.layout.extra_bytes(),
                 extra_dimensions: self.extra_dimensions.clone(),
                 bytes_per_point: self.reader.bytes_per_point(),

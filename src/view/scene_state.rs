@@ -134,6 +134,7 @@ impl SceneState {
             return Advance { again, drawn: false };
         }
         let Some(view) = self.view(settings, size) else { return Advance { again, drawn: false } };
+        self.progressive.set_coloring(&settings.look.coloring);
         let shading = settings.shading();
         match self.progressive.frame(&FrameRequest { view, fill: self.fill, shading }) {
             Ok(report) => {
@@ -142,7 +143,8 @@ impl SceneState {
             }
             Err(error) => {
                 // What is stored is still there to be shown.
-                let again = again | matches!(error, RenderError::OutOfMemory { .. });
+                let again =
+                    again | matches!(error, RenderError::OutOfMemory { .. } | RenderError::NoMemoryForValues { .. });
                 if !again {
                     self.undrawable = Some(key);
                 }

@@ -77,6 +77,17 @@ macro_rules! as_the_processor {
         fn resize(&mut self, size: [u32; 2]) -> Result<(), firstlight::render::RenderError> {
             self.cpu.resize(size)
         }
+        fn fill_column(
+            &mut self,
+            column: firstlight::render::ColumnId,
+            records: &[u32],
+            keys: firstlight::render::Keys<'_>,
+        ) -> Result<(), firstlight::render::RenderError> {
+            self.cpu.fill_column(column, records, keys)
+        }
+        fn drop_column(&mut self, column: firstlight::render::ColumnId) {
+            self.cpu.drop_column(column);
+        }
         fn set_relocation(&mut self, on: bool) {
             self.cpu.set_relocation(on);
         }

@@ -5,8 +5,9 @@ use std::sync::Arc;
 
 use firstlight::{
     render::{
-        AVERAGED_DEPTH, Averaging, Backend, BackendInfo, Camera, CpuBackend, FileColor, FillBudget, FramePlan,
-        FrameRequest, GpuBackend, PassTimes, Picture, Progressive, Raster, RenderError, Shading, Sums, View,
+        AVERAGED_DEPTH, Averaging, Backend, BackendInfo, Camera, ColumnId, CpuBackend, FileColor, FillBudget,
+        FramePlan, FrameRequest, GpuBackend, Keys, PassTimes, Picture, Progressive, Raster, RenderError, Shading, Sums,
+        View,
     },
     scene::{ColorRule, PointBatch},
     store::Insertion,
@@ -119,7 +120,7 @@ fn draw_all(backend: &mut Summing, cloud: &Cloud, view: View) -> (Vec<[u64; 4]>,
         fresh: false,
         fill: [0..count, 0..0],
         shading: request.shading,
-        files: vec![FileColor::new(0, ColorRule::Rgb16)],
+        colors: Arc::new(vec![FileColor::new(0, ColorRule::Rgb16)].into()),
         averaging: Some(Averaging { begins: true, lists: false, slots: [0..count, 0..0] }),
         aside: false,
     };
@@ -404,6 +405,12 @@ impl Backend for Summing {
     }
     fn insert(&mut self, insertion: &Insertion, points: &PointBatch) -> Result<(), RenderError> {
         self.backend().insert(insertion, points)
+    }
+    fn fill_column(&mut self, column: ColumnId, records: &[u32], keys: Keys<'_>) -> Result<(), RenderError> {
+        self.backend().fill_column(column, records, keys)
+    }
+    fn drop_column(&mut self, column: ColumnId) {
+        self.backend().drop_column(column);
     }
     fn set_relocation(&mut self, on: bool) {
         self.backend().set_relocation(on);

@@ -10,6 +10,7 @@ mod aside;
 mod backends;
 mod choice;
 mod cloud;
+mod colors;
 mod convergence;
 mod high_quality;
 mod looks;

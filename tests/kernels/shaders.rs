@@ -5,7 +5,7 @@ use std::mem::offset_of;
 
 use firstlight::{
     gpu::shaders::{self, Shader},
-    render::{FileColor, ShadingUniform, View},
+    render::{ColorTablesUniform, ColumnScaleUniform, FileColor, ShadingUniform, View},
     store::gpu::InsertionUniform,
 };
 use naga::valid::Capabilities;
@@ -67,6 +67,8 @@ fn host_structs_have_the_layout_of_the_shaders() {
         host_layout!(InsertionUniform: old_points, new_points, left_bits, right_bits, keys, fresh_before, staging_capacity, domain, shift)
     );
     assert_eq!(layout_of(&shaders::RESOLVE, "FileColor"), host_layout!(FileColor: first_record, kind, low, high));
+    assert_eq!(layout_of(&shaders::RESOLVE, "ColorTables"), host_layout!(ColorTablesUniform: thresholds, ramp));
+    assert_eq!(layout_of(&shaders::COLUMN, "ColumnColors"), host_layout!(ColumnScaleUniform: high, low, colors));
     assert_eq!(
         layout_of(&shaders::LIGHT, "Shading"),
         host_layout!(ShadingUniform: edl_factor, background, unused_a, unused_b)
@@ -80,6 +82,9 @@ fn constants_are_the_hosts() {
     assert!(source.contains(&format!("const ROUNDS: u32 = {}u;", firstlight::store::ROUNDS)));
     let window = format!("const AVERAGED_DEPTH: f32 = {};", firstlight::render::AVERAGED_DEPTH);
     let most = format!("const MOST_FRAGMENTS: u32 = {}u << 20u;", firstlight::render::MOST_FRAGMENTS >> 20);
+    let [r, g, b] = firstlight::render::NO_DATA;
+    let no_data = format!("const NO_DATA: u32 = 0x{b:02x}{g:02x}{r:02x}u;");
+    assert!(shaders::RESOLVE.source().contains(&no_data));
     for shader in [shaders::AVERAGE_32, shaders::AVERAGE_64] {
         assert!(shader.source().contains(&window) && shader.source().contains(&most), "{}", shader.name);
     }

@@ -112,7 +112,7 @@ fn insertion_equals_its_twin() {
                 fresh: true,
                 fill: [0..0, 0..0],
                 shading: Shading::default(),
-                files: vec![FileColor::new(0, ColorRule::Rgb16)],
+                colors: Arc::new(vec![FileColor::new(0, ColorRule::Rgb16)].into()),
                 aside: false,
             };
             backend.draw(&plan).unwrap();

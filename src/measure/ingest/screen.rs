@@ -14,8 +14,8 @@ use crate::{
     headless::{BackendChoice, default_camera, make_backend},
     measure::stats::quantile,
     render::{
-        Backend, BackendInfo, Camera, FillBudget, FramePlan, FrameReport, FrameRequest, INSERTION_POINTS, Picture,
-        Progressive, RasterChoice, Shading, StoreOptions, Sums,
+        Backend, BackendInfo, Camera, ColumnId, FillBudget, FramePlan, FrameReport, FrameRequest, INSERTION_POINTS,
+        Keys, Picture, Progressive, RasterChoice, Shading, StoreOptions, Sums,
     },
     scene::{PointBatch, SceneFacts},
     source::{self, Event, SourceError},
@@ -327,6 +327,12 @@ impl Backend for Timed {
         let inserted = self.inner.insert(insertion, points);
         self.insert_secs += begun.elapsed().as_secs_f64();
         inserted
+    }
+    fn fill_column(&mut self, column: ColumnId, records: &[u32], keys: Keys<'_>) -> Result<(), RenderError> {
+        self.inner.fill_column(column, records, keys)
+    }
+    fn drop_column(&mut self, column: ColumnId) {
+        self.inner.drop_column(column);
     }
     fn set_relocation(&mut self, on: bool) {
         self.inner.set_relocation(on);

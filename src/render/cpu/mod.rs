@@ -3,6 +3,7 @@
 //! result depends on the number of threads.
 
 mod average;
+mod columns;
 mod index;
 mod raster;
 mod resolve;
@@ -11,9 +12,9 @@ mod threads;
 
 use std::{ops::Range, sync::atomic::AtomicU64, thread::available_parallelism, time::Instant};
 
-use self::{average::PixelSums, resolve::Resolved, store::PointStore, threads::map_parts};
+use self::{average::PixelSums, columns::Columns, resolve::Resolved, store::PointStore, threads::map_parts};
 use super::{
-    Averaging, Backend, BackendInfo, FramePlan, PassTimes, Picture, Raster, RenderError, Sums, View, elevation_ramp,
+    Averaging, Backend, BackendInfo, ColumnId, FramePlan, Keys, PassTimes, Picture, Raster, RenderError, Sums, View,
 };
 use crate::{scene::PointBatch, store::Insertion};
 
@@ -44,7 +45,7 @@ pub struct CpuBackend {
     /// Of high-quality shading, per pixel; empty until asked for.
     sums: Vec<PixelSums>,
     resolved: Resolved,
-    ramp: [[u8; 4]; 256],
+    columns: Columns,
     /// Seconds that insertions took since the last frame.
     insert_secs: f64,
     /// Insertions since the last frame.
@@ -69,7 +70,7 @@ impl CpuBackend {
             words: Vec::new(),
             sums: Vec::new(),
             resolved: Resolved::default(),
-            ramp: elevation_ramp(),
+            columns: Columns::default(),
             insert_secs: 0.0,
             insertions: 0,
             times: None,
@@ -100,7 +101,7 @@ impl CpuBackend {
     /// Adds a point to the sums.
     fn add_slot(&self, plan: &FramePlan, slot: u32) {
         let position = self.store.positions[slot as usize];
-        let color = || resolve::point_color(&plan.files, &self.store, slot, &self.ramp);
+        let color = || resolve::point_color(&plan.colors, &self.store, slot);
         average::add_point(&self.sums, &self.words, &plan.view, slot, position, color);
     }
 
@@ -174,6 +175,7 @@ impl Backend for CpuBackend {
     fn reset(&mut self, _points: u64) {
         // No memory is set aside for the points announced: a header may promise any number of them.
         self.store = PointStore::default();
+        self.columns = Columns::default();
         self.visible = Vec::new();
         self.fresh = Vec::new();
         self.insert_secs = 0.0;
@@ -217,6 +219,16 @@ impl Backend for CpuBackend {
         self.insert_secs += start.elapsed().as_secs_f64();
         self.insertions += 1;
         Ok(())
+    }
+
+    fn fill_column(&mut self, column: ColumnId, records: &[u32], keys: Keys<'_>) -> Result<(), RenderError> {
+        let refusal =
+            |error: std::collections::TryReserveError| RenderError::NoMemoryForValues { detail: error.to_string() };
+        self.columns.fill(column, records, keys).map_err(refusal)
+    }
+
+    fn drop_column(&mut self, column: ColumnId) {
+        self.columns.drop_column(column);
     }
 
     fn set_relocation(&mut self, on: bool) {
@@ -269,7 +281,7 @@ impl Backend for CpuBackend {
         }
         times.index = lap();
         let sums = plan.averaging.as_ref().map(|_| self.sums.as_slice());
-        self.resolved.resolve(plan, &self.words, sums, &self.store, &self.ramp, self.threads);
+        self.resolved.resolve(plan, &self.words, sums, &self.store, &self.columns, self.threads);
         times.resolve = lap();
         self.times = Some(times);
         Ok(())

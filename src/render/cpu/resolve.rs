@@ -9,10 +9,11 @@ use std::{
 use super::{
     BACKGROUND, PIXELS_PER_THREAD,
     average::{self, PixelSums},
+    columns::Columns,
     raster,
     store::PointStore,
 };
-use crate::render::{FileColor, FramePlan, shading};
+use crate::render::{FramePlan, NO_DATA, PointColors, shading};
 
 /// What the window shows, and the record of each pixel's point: slots lose their meaning with the
 /// next insertion.
@@ -44,7 +45,7 @@ impl Resolved {
         words: &[AtomicU64],
         sums: Option<&[PixelSums]>,
         store: &PointStore,
-        ramp: &[[u8; 4]; 256],
+        columns: &Columns,
         threads: usize,
     ) {
         let width = plan.view.width as usize;
@@ -63,7 +64,7 @@ impl Resolved {
                 scope.spawn(move || {
                     for (i, word) in words.iter().enumerate() {
                         let word = word.load(Relaxed);
-                        (rgba[i], records[i]) = color(plan, word, sums.map(|sums| &sums[i]), store, ramp);
+                        (rgba[i], records[i]) = color(plan, word, sums.map(|sums| &sums[i]), store, columns);
                         if lit {
                             depth[i] = if word == BACKGROUND { f32::INFINITY } else { raster::depth(word) };
                         }
@@ -100,27 +101,31 @@ fn color(
     word: u64,
     sums: Option<&PixelSums>,
     store: &PointStore,
-    ramp: &[[u8; 4]; 256],
+    columns: &Columns,
 ) -> ([u8; 4], u32) {
     if word == BACKGROUND {
         let [r, g, b] = plan.shading.background;
         return ([r, g, b, 255], 0);
     }
     let slot = raster::slot(word);
-    let front = point_color(&plan.files, store, slot, ramp);
-    let [r, g, b] = sums.map_or(front, |sums| shading::average(front, average::unpacked(sums)));
-    ([r, g, b, 255], store.records[slot as usize])
+    let record = store.records[slot as usize];
+    let [r, g, b] = match &plan.colors.column {
+        Some(colors) => match columns.key(colors.column, record) {
+            0 => NO_DATA,
+            key => colors.color(key),
+        },
+        None => {
+            let front = point_color(&plan.colors, store, slot);
+            sums.map_or(front, |sums| shading::average(front, average::unpacked(sums)))
+        }
+    };
+    ([r, g, b, 255], record)
 }
 
 /// Colour of a point by its file's rule.
-pub fn point_color(files: &[FileColor], store: &PointStore, slot: u32, ramp: &[[u8; 4]; 256]) -> [u8; 3] {
+pub fn point_color(colors: &PointColors, store: &PointStore, slot: u32) -> [u8; 3] {
     let slot = slot as usize;
-    file_of(files, store.records[slot]).color(store.attributes[slot], store.positions[slot][2], ramp)
-}
-
-/// The file that a record is of: the last that begins at or before it.
-fn file_of(files: &[FileColor], record: u32) -> &FileColor {
-    &files[files.partition_point(|file| file.first_record <= record).max(1) - 1]
+    colors.color(store.records[slot], store.attributes[slot], store.positions[slot][2])
 }
 
 /// How far a pixel lies behind its eight neighbours, see [`shading`].

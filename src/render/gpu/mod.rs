@@ -3,6 +3,7 @@
 mod average;
 mod choose;
 mod color;
+mod columns;
 mod compute;
 mod hardware;
 mod index;
@@ -12,20 +13,21 @@ mod resolve;
 mod sources;
 mod targets;
 
-pub use self::resolve::ShadingUniform;
 use self::{
     average::Average,
+    columns::Columns,
     compute::{ComputeRaster, Kernels},
     hardware::HardwareRaster,
     index::IndexBuild,
     measure::Chooser,
-    resolve::Resolve,
+    resolve::{ColorSource, Resolve},
     sources::{Source, SourceBinder, Sources},
     targets::{TargetLayouts, Targets},
 };
+pub use self::{color::ColorTablesUniform, columns::ColumnScaleUniform, resolve::ShadingUniform};
 use super::{
-    Averaging, Backend, BackendInfo, Candidate, FramePlan, Measured, PassTimes, Picture, RasterChoice, RenderError,
-    Sums, View,
+    Averaging, Backend, BackendInfo, Candidate, ColumnId, FramePlan, Keys, Measured, PassTimes, Picture, RasterChoice,
+    RenderError, Sums, View,
 };
 use crate::{
     gpu::{
@@ -61,6 +63,7 @@ pub struct GpuBackend {
     resolve: Resolve,
     /// For high-quality shading, once it was asked for.
     average: Option<Average>,
+    columns: Columns,
     timer: FrameTimer,
     lost: std::sync::Arc<std::sync::Mutex<Option<String>>>,
 }
@@ -102,6 +105,7 @@ impl GpuBackend {
         let kernels = Kernels::new(&layouts, &store, &binder);
         let mut chooser = Chooser::new(kernels, adapter.device_type, choice, candidates);
         let rasterizer = chooser.rasterizer(&device, &store, candidate);
+        let resolve = Resolve::new(&device, &layouts, &store.pages);
         let lost = std::sync::Arc::<std::sync::Mutex<Option<String>>>::default();
         let loss = lost.clone();
         device.set_device_lost_callback(move |reason, message| {
@@ -126,7 +130,8 @@ impl GpuBackend {
             rasterizer,
             chooser,
             index: IndexBuild::new(&device, &layouts),
-            resolve: Resolve::new(&device, &queue, &layouts, &store.pages),
+            columns: Columns::new(&device, &queue, &layouts, &resolve.layout_colors),
+            resolve,
             average: None,
             timer: FrameTimer::new(&device, &queue, adapter.device_type),
             store,
@@ -155,8 +160,14 @@ impl GpuBackend {
         &mut self.store
     }
 
+    /// The columns of values, for tests with other settings than a viewer's.
+    pub fn columns_mut(&mut self) -> &mut Columns {
+        &mut self.columns
+    }
+
     /// One frame. Every pass in order; all state that flows from one to the next is in the arguments.
     fn record(&mut self, encoder: &mut wgpu::CommandEncoder, targets: &Targets, sources: &Sources, plan: &FramePlan) {
+        self.columns.record_fill(encoder);
         if self.store.pending_insertions() > 0 {
             self.store.record(&mut self.timer.compute_pass(encoder, Stage::Insert));
         }
@@ -177,8 +188,12 @@ impl GpuBackend {
         if !plan.keeps_depths && !plan.aside {
             self.index.record(&self.device, encoder, &mut self.timer, targets, &self.store.lists);
         }
-        let averages = self.average.as_ref().map(Average::resolve).zip(bind_sums.as_ref());
-        self.resolve.record(&self.device, encoder, &mut self.timer, targets, &self.store.pages, averages);
+        let by = match (&plan.colors.column, &self.average, &bind_sums) {
+            (Some(colors), ..) => ColorSource::Column(&self.columns, colors),
+            (None, Some(average), Some(sums)) => ColorSource::Averages(average.resolve(), sums),
+            _ => ColorSource::Files,
+        };
+        self.resolve.record(&self.device, encoder, &mut self.timer, targets, &self.store.pages, by);
     }
 
     /// The second pass of high-quality shading, if the frame has one; the bind group of its sums.
@@ -250,6 +265,7 @@ impl Backend for GpuBackend {
     fn reset(&mut self, points: u64) {
         self.store.reset(points);
         self.chooser.reset(points);
+        self.columns.reset(points);
     }
 
     fn insertions_per_frame(&self) -> usize {
@@ -285,6 +301,15 @@ impl Backend for GpuBackend {
         Ok(())
     }
 
+    fn fill_column(&mut self, column: ColumnId, records: &[u32], keys: Keys<'_>) -> Result<(), RenderError> {
+        self.check_device()?;
+        self.columns.stage(column, records, keys)
+    }
+
+    fn drop_column(&mut self, column: ColumnId) {
+        self.columns.drop_column(column);
+    }
+
     fn set_relocation(&mut self, on: bool) {
         self.store.set_relocation(on);
     }
@@ -301,7 +326,11 @@ impl Backend for GpuBackend {
         // The second argument of the indirect draw: the pixels of a point.
         let instances = plan.view.point_size.pow(2);
         self.queue.write_buffer(&self.store.lists.visible_arguments, 4, bytemuck::bytes_of(&instances));
-        self.resolve.prepare(&self.device, &self.queue, plan);
+        if self.resolve.prepare(&self.device, &self.queue, plan)
+            && let Some(colors) = &plan.colors.column
+        {
+            self.columns.prepare(colors);
+        }
         let list = [(Source::Reproject, plan.reproject), (Source::Fresh, plan.fresh), (Source::Fill, true)];
         let list = list.into_iter().filter_map(|(source, drawn)| drawn.then_some(source)).collect();
         let sources = self.binder.bind(&self.device, &self.queue, &self.store, list, &plan.fill);

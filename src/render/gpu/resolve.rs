@@ -2,6 +2,7 @@
 
 use super::{
     color::ColorTables,
+    columns::Columns,
     targets::{TargetLayouts, Targets},
 };
 use crate::{
@@ -10,7 +11,7 @@ use crate::{
         shaders,
         timing::{FrameTimer, Stage},
     },
-    render::{FramePlan, shading::EDL_GAIN},
+    render::{ColumnColors, FramePlan, shading::EDL_GAIN},
     store::gpu::Pages,
 };
 
@@ -24,10 +25,20 @@ pub struct ShadingUniform {
     pub unused_b: u32,
 }
 
+/// Where the colours of a frame are from.
+pub enum ColorSource<'a> {
+    /// Each file's rule.
+    Files,
+    /// The pipeline that colours by averages, and the bind group of their sums.
+    Averages(&'a wgpu::ComputePipeline, &'a wgpu::BindGroup),
+    Column(&'a Columns, &'a ColumnColors),
+}
+
 /// The resolve pass.
 pub struct Resolve {
     color: wgpu::ComputePipeline,
     identify: wgpu::ComputePipeline,
+    blank: wgpu::ComputePipeline,
     light: wgpu::ComputePipeline,
     /// Of what is written: colours and records.
     pub layout_colors: wgpu::BindGroupLayout,
@@ -37,13 +48,13 @@ pub struct Resolve {
 }
 
 impl Resolve {
-    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, layouts: &TargetLayouts, pages: &Pages) -> Resolve {
+    pub fn new(device: &wgpu::Device, layouts: &TargetLayouts, pages: &Pages) -> Resolve {
         use Binding::{Read, ReadWrite, Uniform};
         let compute = wgpu::ShaderStages::COMPUTE;
         let layout_colors = kernel::layout(device, "colors", compute, &[ReadWrite, ReadWrite]);
         let layout_light = kernel::layout(device, "light", compute, &[Uniform, Read, ReadWrite]);
         let (resolve, light) = (shaders::RESOLVE.module(device), shaders::LIGHT.module(device));
-        let tables = ColorTables::new(device, queue);
+        let tables = ColorTables::new(device);
         let coloring = |entry| {
             let groups = [&layouts.read, &pages.layout_resolve, &layout_colors, &tables.layout];
             kernel::compute(device, &resolve, entry, &groups)
@@ -51,6 +62,7 @@ impl Resolve {
         Resolve {
             color: coloring("color"),
             identify: coloring("identify"),
+            blank: coloring("blank"),
             light: kernel::compute(device, &light, "light", &[&layouts.read, &layout_light]),
             shading: kernel::uniform(device, "shading", size_of::<ShadingUniform>() as u64),
             layout_colors,
@@ -59,9 +71,8 @@ impl Resolve {
         }
     }
 
-    /// Uploads the colour rules and the shading of a frame.
-    pub fn prepare(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, plan: &FramePlan) {
-        self.tables.prepare(device, queue, &plan.files);
+    /// Uploads the colours and the shading of a frame; true if the colours are others than the last frame's.
+    pub fn prepare(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, plan: &FramePlan) -> bool {
         let [r, g, b] = plan.shading.background;
         let uniform = ShadingUniform {
             edl_factor: EDL_GAIN * plan.shading.edl_strength,
@@ -70,9 +81,9 @@ impl Resolve {
             unused_b: 0,
         };
         queue.write_buffer(&self.shading, 0, bytemuck::bytes_of(&uniform));
+        self.tables.prepare(device, queue, &plan.colors)
     }
 
-    /// `averages`: the pipeline that colours by averages, and the bind group of their sums.
     pub fn record(
         &self,
         device: &wgpu::Device,
@@ -80,11 +91,22 @@ impl Resolve {
         timer: &mut FrameTimer,
         targets: &Targets,
         pages: &Pages,
-        averages: Option<(&wgpu::ComputePipeline, &wgpu::BindGroup)>,
+        by: ColorSource<'_>,
     ) {
-        let (pipeline, bind) = averages.unwrap_or((&self.color, &targets.bind_read));
         let mut pass = timer.compute_pass(encoder, Stage::Resolve);
-        self.record_pages(device, &mut pass, pipeline, bind, targets, pages);
+        match by {
+            ColorSource::Files => {
+                self.record_pages(device, &mut pass, &self.color, &targets.bind_read, targets, pages);
+            }
+            ColorSource::Averages(pipeline, sums) => {
+                self.record_pages(device, &mut pass, pipeline, sums, targets, pages);
+            }
+            ColorSource::Column(columns, colors) => {
+                self.record_pages(device, &mut pass, &self.blank, &targets.bind_read, targets, pages);
+                // Of what is written, `record_pages` has bound group 2.
+                columns.record(&mut pass, targets, colors);
+            }
+        }
         let buffers = [&self.shading, &targets.colors, &targets.picture];
         let bind = kernel::bind_buffers(device, "light", &self.layout_light, &buffers);
         pass.set_pipeline(&self.light);
