@@ -53,7 +53,6 @@ pub use filter::{
 };
 pub use frame::{FrameReport, FrameRequest, INSERTION_POINTS, Reprojection, StoreOptions};
 pub use gpu::{ColorTablesUniform, ColumnScaleUniform, GpuBackend, ShadingUniform};
-pub use gpu::{GpuBackend, ShadingUniform};
 pub use histogram::{AttributeStats, Histogram};
 pub use lens::Lens;
 pub use look::Look;
