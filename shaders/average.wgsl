@@ -14,14 +14,18 @@ struct Span {
 }
 @group(2) @binding(0) var<uniform> span: Span;
 @group(2) @binding(1) var<storage, read> list: array<u32>;
-@group(2) @binding(2) var<storage, read> list_count: array<u32>;
+// A uniform: there is no room for a ninth storage buffer.
+@group(2) @binding(2) var<uniform> list_count: vec4<u32>;
+
+// Of the bound page, see hidden.wgsl.
+@group(1) @binding(4) var<storage, read> hidden: array<u32>;
 
 // `AVERAGED_DEPTH` in src/render/shading.rs.
 const AVERAGED_DEPTH: f32 = 1.01;
 
 fn add_slot(slot: u32) {
     let local = slot - page.first;
-    if local >= page.len {
+    if local >= page.len || !is_shown(local) {
         return;
     }
     let point = project(load_position(local));
@@ -51,7 +55,7 @@ fn add_slot(slot: u32) {
 @compute @workgroup_size(256)
 fn from_list(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let i = line_index(group, groups, local);
-    if i < list_count[0] {
+    if i < list_count.x {
         let slot = list[i];
         let is_in_span = (slot >= span_slots.x && slot < span_slots.y) || (slot >= span_slots.z && slot < span_slots.w);
         if !is_in_span {

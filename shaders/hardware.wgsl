@@ -4,6 +4,9 @@
 // the hardware's own rounding decides nothing. Depth is linear, scaled by a power of two: no bit is lost.
 @group(0) @binding(1) var<storage, read_write> words: array<atomic<u32>>;
 
+// Of the bound page, see hidden.wgsl.
+@group(1) @binding(2) var<storage, read> hidden: array<u32>;
+
 struct Vertex {
     @builtin(position) @invariant position: vec4<f32>,
     @location(0) @interpolate(flat, either) slot: u32,
@@ -19,7 +22,7 @@ fn place(@builtin(vertex_index) slot: u32, @builtin(instance_index) instance: u3
     vertex.slot = slot;
     vertex.position = vec4<f32>(2.0, 2.0, 2.0, 1.0);
     let local = slot - page.first;
-    if local >= page.len {
+    if local >= page.len || !is_shown(local) {
         return vertex;
     }
     let point = project(load_position(local));

@@ -1,9 +1,12 @@
 // Points enter and leave the slots of one page. Twin: `apply` in src/store/insertion.rs.
 @group(0) @binding(0) var<uniform> insertion: Insertion;
-// Positions (3 words a point), attributes (2), record (1): a column after the other.
+// Positions (3 words a point, of which the packed encoding uses 2), attributes (2), record (1): a column after the
+// other.
 @group(0) @binding(1) var<storage, read> staging: array<u32>;
 
-@group(1) @binding(0) var<uniform> page: Page;
+// Words of a position: 3, or 2 in the packed encoding.
+override POSITION_WORDS: u32 = 3u;
+
 @group(1) @binding(1) var<storage, read_write> positions: array<u32>;
 @group(1) @binding(2) var<storage, read_write> attributes: array<u32>;
 @group(1) @binding(3) var<storage, read_write> records: array<u32>;
@@ -29,11 +32,11 @@ fn evict(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) group
     }
     let capacity = insertion.staging_capacity;
     let is_taken = moved_to[i] != NONE;
-    for (var word = 0u; word < 3u; word++) {
+    for (var word = 0u; word < POSITION_WORDS; word++) {
         if is_taken {
-            carried[3u * i + word] = positions[3u * slot + word];
+            carried[POSITION_WORDS * i + word] = positions[POSITION_WORDS * slot + word];
         }
-        positions[3u * slot + word] = staging[3u * i + word];
+        positions[POSITION_WORDS * slot + word] = staging[POSITION_WORDS * i + word];
     }
     for (var word = 0u; word < 2u; word++) {
         let at = 3u * capacity + 2u * i + word;
@@ -61,8 +64,8 @@ fn settle(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
         return;
     }
     let capacity = insertion.staging_capacity;
-    for (var word = 0u; word < 3u; word++) {
-        positions[3u * slot + word] = carried[3u * i + word];
+    for (var word = 0u; word < POSITION_WORDS; word++) {
+        positions[POSITION_WORDS * slot + word] = carried[POSITION_WORDS * i + word];
     }
     for (var word = 0u; word < 2u; word++) {
         attributes[2u * slot + word] = carried[3u * capacity + 2u * i + word];

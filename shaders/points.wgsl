@@ -1,6 +1,5 @@
-// Reads positions: three 32-bit integers. The rasterizers and the resolve pass know no more of their
-// encoding; move.wgsl copies the words as they are.
-@group(1) @binding(0) var<uniform> page: Page;
+// Reads positions in the wide encoding: three 32-bit integers. points_packed.wgsl reads the other one. The
+// rasterizers and the resolve pass know no more of it; move.wgsl copies the words as they are.
 @group(1) @binding(1) var<storage, read> positions: array<u32>;
 
 // `local` counts from the page's first slot.

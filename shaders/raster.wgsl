@@ -9,7 +9,10 @@ struct Span {
 
 @group(2) @binding(0) var<uniform> span: Span;
 @group(2) @binding(1) var<storage, read> list: array<u32>;
-@group(2) @binding(2) var<storage, read> list_count: array<u32>;
+@group(2) @binding(2) var<uniform> list_count: vec4<u32>;
+
+// Of the bound page, see hidden.wgsl.
+@group(1) @binding(2) var<storage, read> hidden: array<u32>;
 
 fn plot_point(position: vec3<i32>, slot: u32) {
     let point = project(position);
@@ -27,9 +30,9 @@ fn plot_point(position: vec3<i32>, slot: u32) {
 @compute @workgroup_size(256)
 fn from_list(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let i = line_index(group, groups, local);
-    if i < list_count[0] {
+    if i < list_count.x {
         let slot = list[i];
-        if slot - page.first < page.len {
+        if slot - page.first < page.len && is_shown(slot - page.first) {
             plot_point(load_position(slot - page.first), slot);
         }
     }

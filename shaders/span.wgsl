@@ -20,14 +20,16 @@ fn from_span(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) g
     let position_b = load_position(start + min(b, last));
     let position_c = load_position(start + min(c, last));
     let position_d = load_position(start + min(d, last));
-    plot_point(position_a, span.first + a);
-    if b <= last {
+    if is_shown(start + a) {
+        plot_point(position_a, span.first + a);
+    }
+    if b <= last && is_shown(start + b) {
         plot_point(position_b, span.first + b);
     }
-    if c <= last {
+    if c <= last && is_shown(start + c) {
         plot_point(position_c, span.first + c);
     }
-    if d <= last {
+    if d <= last && is_shown(start + d) {
         plot_point(position_d, span.first + d);
     }
 }

@@ -122,6 +122,8 @@ pub enum RenderError {
         "no room for high-quality shading of {width}x{height} pixels ({detail}); switch it off (--hq, HQ) or choose a smaller size"
     )]
     NoMemoryForSums { width: u32, height: u32, detail: String },
+    #[error("no memory to filter {points} points ({detail}); leave out --filter, --clip and --slab")]
+    NoMemoryForFilter { points: u64, detail: String },
     #[error("out of memory after {stored} points ({detail}); the points so far are shown")]
     OutOfMemory { stored: u64, detail: String },
     #[error("no memory for the values to colour by ({detail}); colour by rgb, elevation or file (--color-by)")]

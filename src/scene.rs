@@ -8,10 +8,12 @@ use serde::Serialize;
 mod attribute;
 mod attributes;
 mod extra_bytes;
+mod gps;
 
 pub use attribute::{Attribute, UnknownAttribute};
 pub use attributes::{Attributes, WAVE_PACKET_BYTES};
 pub use extra_bytes::{ExtraDimension, ExtraKind, Number};
+pub use gps::GpsClock;
 
 /// Most points that one [`PointBatch`] carries.
 pub const BATCH_POINTS: usize = 65_536;
@@ -243,6 +245,8 @@ pub struct FileFacts {
     pub bounds: Bounds,
     /// e.g. "LAZ 1.4, format 7".
     pub kind: String,
+    /// Length of the coordinates' unit, if the file says so.
+    pub metres_per_unit: Option<f64>,
     pub record: RecordFacts,
 }
 
@@ -253,6 +257,8 @@ pub struct RecordFacts {
     pub format: u8,
     /// Degrees per step of the scan angle: 1 in formats 0 to 5, 0.006 in 6 to 10.
     pub scan_angle_step: f64,
+    /// What GPS times count.
+    pub gps_clock: GpsClock,
     /// The points' intensities are read; else they are zero.
     pub has_intensities: bool,
     /// Extra bytes per point.

@@ -13,12 +13,13 @@ use super::{
     CliError, ExitStatus,
     look::LookArgs,
     render::{BackendArg, backend_choice},
-    say, values,
+    say,
+    values::{self, EncodingChoice},
 };
 use crate::{
-    headless::{Destination, HeadlessError, OutputError, make_backend},
+    headless::{Destination, HeadlessError, OutputError, fields_of, make_backend},
     measure::{BenchError, BenchFrames, Fed, Feed, bench_frames, markdown},
-    render::{FillBudget, PointSize, RasterChoice},
+    render::{FillBudget, Look, PointSize, RasterChoice},
     synth::SynthOptions,
 };
 
@@ -49,6 +50,9 @@ pub struct BenchFramesArgs {
     /// size; auto measures which is the fastest
     #[arg(long, value_name = "auto|NAME", default_value = "auto", value_parser = values::parse_method)]
     method: RasterChoice,
+    /// How positions lie in memory
+    #[arg(long, value_enum, default_value_t)]
+    encoding: EncodingChoice,
     /// Where to draw; auto takes a GPU if there is one
     #[arg(long, value_enum, default_value_t)]
     backend: BackendArg,
@@ -72,18 +76,19 @@ pub fn run(args: BenchFramesArgs, started: Instant) -> Result<ExitStatus, CliErr
     let started = if decoded.is_some() { Instant::now() } else { started };
     let feed = match &args.synth {
         Some(options) => Feed::synth(options, args.threads)?,
-        None => Feed::files(&args.inputs, args.threads),
+        None => Feed::files(&args.inputs, args.threads, fields_of(&args.look())),
     };
     let (backend, _, notes) = make_backend(backend_choice(args.backend, args.method)?, args.method, args.threads)
         .map_err(BenchError::from)?;
     notes.iter().for_each(|note| say(note));
     let settings = BenchFrames {
         size: args.size,
-        look: args.look.look(PointSize::default()),
+        look: args.look(),
         seed: args.seed,
         fill: args.fill.map_or(FillBudget::Target(args.target_ms * 1e-3), FillBudget::Fixed),
         at: args.at,
         frames: args.frames,
+        encoding: args.encoding.encoding(),
     };
     let report = bench_frames(&settings, feed, backend, decoded, started)?;
     // If nobody reads the table, the report is still written.
@@ -95,6 +100,12 @@ pub fn run(args: BenchFramesArgs, started: Instant) -> Result<ExitStatus, CliErr
     Ok(ExitStatus::Ok)
 }
 
+impl BenchFramesArgs {
+    fn look(&self) -> Look {
+        self.look.look(PointSize::default())
+    }
+}
+
 /// Points per second of the reader with nobody to wait for.
 fn decode_alone(args: &BenchFramesArgs) -> Result<f64, BenchError> {
     // Once without a clock, so that the files are in memory.
@@ -103,7 +114,7 @@ fn decode_alone(args: &BenchFramesArgs) -> Result<f64, BenchError> {
             let _ = fs::read(input);
         }
     }
-    let mut feed = Feed::files(&args.inputs, args.threads);
+    let mut feed = Feed::files(&args.inputs, args.threads, fields_of(&args.look()));
     let start = Instant::now();
     let mut points = 0;
     loop {

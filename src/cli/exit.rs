@@ -76,7 +76,7 @@ impl CliError {
             CliError::Headless(error) => match error {
                 HeadlessError::Input(_) => ExitStatus::Input,
                 HeadlessError::Output(_) => ExitStatus::Output,
-                HeadlessError::Camera(_) => ExitStatus::Usage,
+                HeadlessError::Camera(_) | HeadlessError::TooWide(_) => ExitStatus::Usage,
                 HeadlessError::Render(RenderError::DeviceLost(_)) | HeadlessError::ReaderEnded => ExitStatus::Internal,
                 HeadlessError::Render(_) => ExitStatus::Device,
             },
@@ -85,7 +85,7 @@ impl CliError {
             CliError::NoDevice { .. } | CliError::View(_) => ExitStatus::Device,
             CliError::Bench(error) => match error {
                 BenchError::Source(_) | BenchError::NoPoints => ExitStatus::Input,
-                BenchError::Camera(_) => ExitStatus::Usage,
+                BenchError::Camera(_) | BenchError::TooWide(_) => ExitStatus::Usage,
                 BenchError::Render(_) => ExitStatus::Device,
             },
             CliError::Ingest(error) => match error {
@@ -103,7 +103,10 @@ impl CliError {
             },
             CliError::Converge(error) => match error {
                 ConvergeError::Source(_) | ConvergeError::NoPoints => ExitStatus::Input,
-                ConvergeError::Camera(_) | ConvergeError::Synth(_) | ConvergeError::AutoNeedsTime => ExitStatus::Usage,
+                ConvergeError::Camera(_)
+                | ConvergeError::Synth(_)
+                | ConvergeError::TooWide(_)
+                | ConvergeError::AutoNeedsTime => ExitStatus::Usage,
                 ConvergeError::Render(RenderError::DeviceLost(_)) => ExitStatus::Internal,
                 ConvergeError::Render(_) => ExitStatus::Device,
                 ConvergeError::ReportDir(_) => ExitStatus::Output,

@@ -4,8 +4,8 @@ use clap::Args;
 
 use super::values;
 use crate::render::{
-    CLIP_PERCENT, Clause, Clip, ClipBox, ColorBy, ColorMap, Coloring, Filter, Look, PointSize, Projection, Shading,
-    Slab, Tone,
+    CLIP_PERCENT, Clause, Clip, ClipBox, ColorBy, ColorMap, Coloring, Decor, Filter, Look, PointSize, Projection,
+    Shading, Slab, Tone,
 };
 
 #[derive(Debug, Clone, Args)]
@@ -25,6 +25,15 @@ pub struct LookArgs {
     /// (not with attributes that are neither rgb, intensity, elevation nor file)
     #[arg(long)]
     hq: bool,
+    /// Give small holes in surfaces the colour of a point beside them; records and depths stay as they are
+    #[arg(long)]
+    fill_holes: bool,
+    /// Colour where no point is; by default #181c22
+    #[arg(long, value_name = "#RRGGBB", value_parser = values::parse_color)]
+    background: Option<[u8; 3]>,
+    /// Draw over the picture: the scene's bounding box, a scale bar, a north arrow
+    #[arg(long, value_name = "box,scale,north")]
+    decorate: Option<Decor>,
     /// Show only points whose attribute has one of these values: class=2,6 or class!=7 or elevation=10..55.5 or
     /// file=0; given several times, all must hold
     #[arg(long, value_name = "ATTRIBUTE=VALUES")]
@@ -95,10 +104,16 @@ impl LookArgs {
         Look {
             point_size: self.point_size.unwrap_or(point_size),
             projection: if self.orthographic { Projection::Orthographic } else { Projection::Perspective },
-            shading: Shading { edl_strength: self.edl, high_quality: self.hq, ..Default::default() },
+            shading: Shading {
+                edl_strength: self.edl,
+                high_quality: self.hq,
+                fill_holes: self.fill_holes,
+                background: self.background.unwrap_or(Shading::default().background),
+            },
             coloring: self.color.coloring(),
             filter: Filter { clauses: self.filter.clone() },
             clip: Clip { bounds: self.clip, slab: self.slab },
+            decor: self.decorate.unwrap_or_default(),
         }
     }
 }

@@ -14,14 +14,14 @@ use super::{
     render::{BackendArg, backend_choice, read_camera},
     say,
     steps::Steps,
-    values,
+    values::{self, EncodingChoice},
 };
 use crate::{
     measure::{
         ReportDir, ReportDirError,
         converge::{
-            self, Clock, ConvergeReport, Fill, MOST_LOAD, Measure, Motion, TITLE, VIEWER_POINT_SIZE, Variant, Watcher,
-            markdown, page, write_csv,
+            self, Clock, ConvergeReport, Decoded, Fill, MOST_LOAD, Measure, Motion, TITLE, VIEWER_POINT_SIZE, Variant,
+            Watcher, markdown, page, write_csv,
         },
         raster::Input,
     },
@@ -33,14 +33,18 @@ use crate::{
 pub const HELP: &str = "\
 A run has phases: loading, still, and each motion with a rest behind it, until the picture has converged. After every
 frame the picture is compared with that of all points received so far and with that of all points of the file, both
-drawn by brute force on the same device. The settings (every --fill at every --point-size and --method) are run in turn,
+drawn by brute force on the same device. The settings (every --fill at every --point-size, --method, --encoding and --fields) are run in turn,
 then the baselines at the first of them: what this program's method is judged against.
 
 --clock real times a run first, without comparisons, in frames at most sixty times a second; then its frames are drawn
 again, by their log, and compared. --clock virtual lets as many points arrive and be tried in every frame: the report
 is the same on every machine but for the adapter's name (and, on GPUs that round depths otherwise, the last digits of
 the depth errors). The whole scan is held in memory, 24 bytes per point (twice
-with the baseline `unshuffled`), besides the store. Settings are judged by their times from --repeat 3 on.
+with the baseline `unshuffled`, and once more where --fields names `positions` beside others), besides the store. Settings
+are judged by their times from --repeat 3 on.
+
+Without colours (--fields positions) pictures are coloured by elevation, and compared with truths of the same colours: their
+SSIM and PSNR are not those of the others. The processor's own backend always holds positions in 12 bytes.
 
 CAMS.json is a list of cameras: [{\"eye\":[x,y,z],\"target\":[x,y,z],\"up\":[0,0,1],\"fov_y_deg\":60}, …].
 
@@ -95,6 +99,13 @@ pub struct MeasureArgs {
     /// size; auto measures which is the fastest
     #[arg(long, value_name = "auto|NAME,…", value_delimiter = ',', default_value = "auto", value_parser = values::parse_method)]
     method: Vec<RasterChoice>,
+    /// How the store on a GPU holds positions; no pixel depends on it, times may
+    #[arg(long, value_enum, value_name = "auto|ENCODING,…", value_delimiter = ',', default_value = "auto")]
+    encoding: Vec<EncodingChoice>,
+    /// What is decoded of the points of files while they load, besides positions; layered LAZ (formats 6 and up) spares
+    /// the rest
+    #[arg(long, value_enum, value_name = "FIELDS,…", value_delimiter = ',', default_value = "colors")]
+    fields: Vec<Decoded>,
     /// Where to draw; auto takes a GPU if there is one
     #[arg(long, value_enum, default_value_t)]
     backend: BackendArg,
@@ -205,6 +216,11 @@ impl MeasureArgs {
                 "--fill auto follows the time that frames take, and --clock virtual has none; give --fill N".into(),
             ));
         }
+        if self.synth.is_some() && self.fields != [Decoded::Colors] {
+            return Err(CliError::Usage(
+                "--fields says what is decoded of files; a --synth scan is made as it is".into(),
+            ));
+        }
         if self.load.is_some() && !is_virtual {
             return Err(CliError::Usage(
                 "--load is for --clock virtual; in real time, points come as they are read".into(),
@@ -232,6 +248,8 @@ impl MeasureArgs {
             motions,
             backend,
             methods: once(self.method),
+            encodings: once(self.encoding).into_iter().map(EncodingChoice::encoding).collect(),
+            decoded: once(self.fields),
             fills,
             point_sizes: once(self.point_size),
             baselines,

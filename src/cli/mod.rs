@@ -50,7 +50,7 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Write the picture as a PNG, without a window
-    #[command(after_help = exit::HELP)]
+    #[command(after_help = render::help())]
     Render(Box<render::RenderArgs>),
     /// Print what files say of themselves: header, records, coordinate system, counts
     #[command(after_help = exit::HELP)]

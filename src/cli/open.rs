@@ -86,6 +86,7 @@ fn picture_instead(args: OpenArgs, started: Instant, why: &str) -> Result<ExitSt
         camera: None,
         backend: BackendChoice::Auto,
         method: args.method,
+        encoding: None,
         fill: args.fill,
         look: args.look.look(WINDOW_POINT_SIZE),
         seed: args.seed,

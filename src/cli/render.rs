@@ -9,12 +9,31 @@ use std::{
 
 use clap::{Args, ValueEnum};
 
-use super::{CliError, ExitStatus, look::LookArgs, say, values};
+use super::{
+    CliError, ExitStatus,
+    look::LookArgs,
+    say,
+    values::{self, EncodingChoice},
+};
 use crate::{
     headless::{self, BackendChoice, Destination, HeadlessError, Outputs, ProgressStyle, Report, Settings, Stop},
     render::{Camera, INSERTION_POINTS, Look, RasterChoice},
     source,
 };
+
+/// What `--help` says at its end.
+pub fn help() -> String {
+    const EXAMPLES: &str = "\
+Examples:
+  firstlight render scan.laz -o scan.png
+  firstlight render scan.laz -o ground.png --filter class=2,9 --filter return=1
+  firstlight render scan.laz -o trees.png --filter 'class!=2,6,7,18' --filter elevation=210..255.5
+  firstlight render strips/ -o second.png --filter file=1 --filter gps-time=315964800.5..315964900
+  firstlight render scan.laz -o house.png --clip 456000,5412000,200,456040,5412025,230,30
+  firstlight render scan.laz -o section.png --slab 456020,5412010,0,1,0,0,0.5
+";
+    format!("{EXAMPLES}\n{}", super::exit::HELP)
+}
 
 #[derive(Debug, Args)]
 pub struct RenderArgs {
@@ -27,7 +46,8 @@ pub struct RenderArgs {
     /// Width and height of the picture, pixels
     #[arg(long, value_name = "WxH", default_value = "1600x900", value_parser = values::parse_size)]
     size: [u32; 2],
-    /// Where to look from: {"eye":[x,y,z],"target":[x,y,z],"up":[0,0,1],"fov_y_deg":60}, eye and target
+    /// Where to look from: {"eye":[x,y,z],"target":[x,y,z],"up":[0,0,1],"fov_y_deg":60}, with
+    /// "projection":"orthographic" for parallel lines, eye and target
     /// in the file's own coordinates; by default the whole scene, from the south and above
     #[arg(long, value_name = "CAM.json")]
     camera: Option<PathBuf>,
@@ -72,6 +92,9 @@ pub struct RenderArgs {
     /// Points that enter the store at a time; fixes their slots together with the seed
     #[arg(long, value_name = "N", default_value_t = INSERTION_POINTS, value_parser = values::parse_insertion, hide = true)]
     insertion_points: u32,
+    /// How the store holds positions; no pixel depends on it
+    #[arg(long, value_enum, default_value_t, hide = true)]
+    encoding: EncodingChoice,
 }
 
 /// [`BackendChoice`] on the command line.
@@ -179,6 +202,7 @@ impl RenderArgs {
             camera,
             backend,
             method: self.method,
+            encoding: self.encoding.encoding(),
             fill: self.fill,
             look: self.look.look(Look::default().point_size),
             seed: self.seed,

@@ -7,9 +7,32 @@ use crate::{
     headless::Stop,
     methods,
     render::{Candidate, GROUP_SIZES, RasterChoice},
-    store::MAX_INSERTION_POINTS,
+    store::{Encoding, MAX_INSERTION_POINTS},
     synth::{Scene, SynthOptions},
 };
+
+/// How the store holds positions, on the command line.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
+pub enum EncodingChoice {
+    /// 8 bytes where the box that the header promises fits, else 12
+    #[default]
+    Auto,
+    /// 12 bytes: three 32-bit integers
+    Wide,
+    /// 8 bytes, lossless; only where the box that the header promises fits 64 bits
+    Packed,
+}
+
+impl EncodingChoice {
+    /// `None`: as is best.
+    pub fn encoding(self) -> Option<Encoding> {
+        match self {
+            EncodingChoice::Auto => None,
+            EncodingChoice::Wide => Some(Encoding::Wide),
+            EncodingChoice::Packed => Some(Encoding::Packed),
+        }
+    }
+}
 
 /// A number of points: `1500`, `1_500`, `1.5k`, `20M`, `1G`.
 pub fn parse_count(text: &str) -> Result<u64, String> {

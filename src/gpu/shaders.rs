@@ -1,5 +1,7 @@
 //! The shader modules: each is a list of files, pasted together in order.
 
+use crate::store::Encoding;
+
 /// A named shader module.
 pub struct Shader {
     pub name: &'static str,
@@ -8,15 +10,42 @@ pub struct Shader {
     pub needs: wgpu::Features,
 }
 
+/// How positions are read in the wide encoding, and what takes its place in the packed one.
+const POINTS: &str = include_str!("../../shaders/points.wgsl");
+const POINTS_PACKED: [&str; 2] =
+    [include_str!("../../shaders/packed.wgsl"), include_str!("../../shaders/points_packed.wgsl")];
+
 impl Shader {
-    pub fn source(&self) -> String {
-        with_lane(self.parts.concat())
+    /// Whether it reads positions: then there are two of it, one for each [`Encoding`].
+    pub fn reads_positions(&self) -> bool {
+        self.parts.contains(&POINTS)
     }
 
+    /// The module; one that reads positions does so in the wide encoding.
+    pub fn source(&self) -> String {
+        self.source_in(Encoding::Wide)
+    }
+
+    /// The module for positions in this encoding.
+    pub fn source_in(&self, encoding: Encoding) -> String {
+        let parts = self.parts.iter().map(|&part| match encoding {
+            Encoding::Packed if part == POINTS => POINTS_PACKED.concat(),
+            _ => part.to_owned(),
+        });
+        with_lane(parts.collect())
+    }
+
+    /// A module that reads no positions.
     pub fn module(&self, device: &wgpu::Device) -> wgpu::ShaderModule {
+        debug_assert!(!self.reads_positions(), "{} is for one encoding: `module_in`", self.name);
+        self.module_in(device, Encoding::Wide)
+    }
+
+    /// The module for positions in this encoding.
+    pub fn module_in(&self, device: &wgpu::Device, encoding: Encoding) -> wgpu::ShaderModule {
         device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(self.name),
-            source: wgpu::ShaderSource::Wgsl(self.source().into()),
+            source: wgpu::ShaderSource::Wgsl(self.source_in(encoding).into()),
         })
     }
 }
@@ -51,6 +80,7 @@ macro_rules! shader {
 
 shader!(INSERT, NOTHING, "group", "permutation", "insert");
 shader!(MOVE, NOTHING, "group", "permutation", "page", "move");
+shader!(WIDEN, NOTHING, "group", "page", "packed", "points_packed", "widen");
 shader!(RELOCATE, NOTHING, "group", "permutation", "relocate");
 shader!(CLEAR, NOTHING, "group", "project", "clear");
 shader!(
@@ -64,9 +94,22 @@ shader!(
     "early",
     "plot_early",
     "raster",
+    "hidden",
     "span"
 );
-shader!(ATOMIC_MIN, INT64_MIN_MAX, "group", "page", "project", "points", "put_64", "plot_each", "raster", "span");
+shader!(
+    ATOMIC_MIN,
+    INT64_MIN_MAX,
+    "group",
+    "page",
+    "project",
+    "points",
+    "put_64",
+    "plot_each",
+    "raster",
+    "hidden",
+    "span"
+);
 shader!(
     REDUCE,
     INT64_MIN_MAX.union(SUBGROUP),
@@ -80,6 +123,7 @@ shader!(
     "reduce",
     "plot_reduce",
     "raster",
+    "hidden",
     "span"
 );
 shader!(
@@ -96,6 +140,7 @@ shader!(
     "reduce",
     "plot_reduce_early",
     "raster",
+    "hidden",
     "span"
 );
 shader!(
@@ -109,15 +154,42 @@ shader!(
     "subgroup",
     "dedup",
     "raster",
+    "hidden",
     "span"
 );
-shader!(DEPTH_32, NOTHING, "group", "page", "project", "points", "seen_atomic", "plot_depth_32", "raster", "span");
-shader!(SLOT_32, NOTHING, "group", "page", "project", "points", "seen_atomic", "plot_slot_32", "raster", "span");
-shader!(HARDWARE, NOTHING, "page", "project", "points", "hardware");
+shader!(
+    DEPTH_32,
+    NOTHING,
+    "group",
+    "page",
+    "project",
+    "points",
+    "seen_atomic",
+    "plot_depth_32",
+    "raster",
+    "hidden",
+    "span"
+);
+shader!(
+    SLOT_32,
+    NOTHING,
+    "group",
+    "page",
+    "project",
+    "points",
+    "seen_atomic",
+    "plot_slot_32",
+    "raster",
+    "hidden",
+    "span"
+);
+shader!(HARDWARE, NOTHING, "page", "project", "points", "hidden", "hardware");
+shader!(MASK, NOTHING, "group", "page", "points", "mask_rules", "mask");
+shader!(MASK_COLUMN, NOTHING, "group", "page", "mask_rules", "mask_column");
 shader!(INDEX, NOTHING, "group", "project", "index");
 shader!(RESOLVE, NOTHING, "group", "page", "project", "points", "color", "resolve");
-shader!(AVERAGE_32, NOTHING, "group", "page", "project", "points", "color", "sums_32", "average");
-shader!(AVERAGE_64, INT64_ATOMICS, "group", "page", "project", "points", "color", "sums_64", "average");
+shader!(AVERAGE_32, NOTHING, "group", "page", "project", "points", "color", "sums_32", "hidden", "average");
+shader!(AVERAGE_64, INT64_ATOMICS, "group", "page", "project", "points", "color", "sums_64", "hidden", "average");
 shader!(RESOLVE_32, NOTHING, "group", "page", "project", "points", "color", "resolve", "sums_32", "resolve_average");
 shader!(
     RESOLVE_64,
@@ -134,12 +206,14 @@ shader!(
 shader!(COLUMN, NOTHING, "group", "project", "column_page", "column");
 shader!(FILL_COLUMN, NOTHING, "group", "column_page", "fill_column");
 shader!(LIGHT, NOTHING, "group", "project", "light");
+shader!(HOLES, NOTHING, "group", "project", "holes");
 shader!(COPY, NOTHING, "group", "methods/copy");
 
 /// All modules, for the tests.
-pub const ALL: [&Shader; 22] = [
+pub const ALL: [&Shader; 26] = [
     &INSERT,
     &MOVE,
+    &WIDEN,
     &RELOCATE,
     &CLEAR,
     &EARLY_Z,
@@ -150,6 +224,8 @@ pub const ALL: [&Shader; 22] = [
     &DEPTH_32,
     &SLOT_32,
     &HARDWARE,
+    &MASK,
+    &MASK_COLUMN,
     &INDEX,
     &RESOLVE,
     &AVERAGE_32,
@@ -159,5 +235,6 @@ pub const ALL: [&Shader; 22] = [
     &COLUMN,
     &FILL_COLUMN,
     &LIGHT,
+    &HOLES,
     &COPY,
 ];

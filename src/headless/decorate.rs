@@ -175,7 +175,13 @@ mod tests {
 
     fn gray(width: u32, height: u32, depth: f32) -> Picture {
         let pixels = (width * height) as usize;
-        Picture { width, height, rgba: vec![[90, 90, 90, 255]; pixels], records: vec![0; pixels], depth: vec![depth; pixels] }
+        Picture {
+            width,
+            height,
+            rgba: vec![[90, 90, 90, 255]; pixels],
+            records: vec![0; pixels],
+            depth: vec![depth; pixels],
+        }
     }
 
     fn changed(picture: &Picture) -> Vec<[usize; 2]> {

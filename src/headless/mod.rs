@@ -4,6 +4,7 @@
 //! writes the last frame as a PNG, its record numbers and depths as NPY, and a [`Report`] as JSON.
 //! Outputs are checked before the work starts and get their final names only when they are complete.
 
+mod decorate;
 mod framing;
 mod outputs;
 mod progress;
@@ -11,9 +12,10 @@ mod report;
 mod run;
 mod settings;
 
+pub use decorate::{decorate, text_px};
 pub use framing::{box_to_fit, default_camera, default_camera_as};
 pub use outputs::{Destination, OutputError, Outputs, picture_sha256, write_npy_f32, write_npy_i64, write_png};
 pub use progress::{ProgressStyle, grouped};
 pub use report::{FileEntry, OutputPaths, Report, Seconds};
 pub use run::{HeadlessError, make_backend, render};
-pub use settings::{BackendChoice, CONVERGE_FILL, COUNTED_FILL, Settings, Stop};
+pub use settings::{BackendChoice, CONVERGE_FILL, COUNTED_FILL, Settings, Stop, fields_of};

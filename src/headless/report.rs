@@ -6,9 +6,10 @@ use serde::Serialize;
 
 use super::settings::Settings;
 use crate::{
-    render::{BackendInfo, Camera, Choice},
+    render::{BackendInfo, Camera, Choice, Filter},
     scene::{Bounds, Grid, SceneFacts},
     source::{SourceReport, ThreadTimes},
+    store::Encoding,
 };
 
 /// The contents of REPORT.json.
@@ -21,6 +22,8 @@ pub struct Report {
     pub points_in_header: u64,
     pub points_decoded: u64,
     pub points_stored: u64,
+    /// Points that the filter shows, of those stored.
+    pub points_shown: Option<u64>,
     /// Promised by the headers but not decoded; null if the reading was stopped before the end.
     pub points_missing: Option<u64>,
     /// False if the reading was stopped before the end (`--stop`, or memory ran out).
@@ -37,6 +40,8 @@ pub struct Report {
     pub backend: &'static str,
     /// How points became pixels: a method's name as in `firstlight bench --list`, or "cpu".
     pub method: String,
+    /// How positions were stored: "packed", 8 bytes, or "wide", 12.
+    pub encoding: Encoding,
     /// What speaks for the method: the speeds of all that were measured. Null on the CPU backend.
     pub choice: Option<Choice>,
     pub adapter: String,
@@ -59,6 +64,11 @@ pub struct Report {
     /// In the file's unit; null where it is in pixels.
     pub point_size_world: Option<f64>,
     pub edl_strength: f32,
+    /// As `--filter` takes them.
+    pub filter: Filter,
+    /// As `--clip` and `--slab` take them; null where there is none.
+    pub clip: Option<String>,
+    pub slab: Option<String>,
     /// How colours were summed up for high-quality shading, "hqs1r" or "hqs"; null without it.
     pub high_quality: Option<String>,
     /// Points whose colours the averages of high-quality shading hold.
@@ -226,6 +236,7 @@ impl Report {
             points_in_header: 0,
             points_decoded: 0,
             points_stored: 0,
+            points_shown: None,
             points_missing: None,
             read_to_end: false,
             batches: 0,
@@ -235,6 +246,7 @@ impl Report {
             brute_force: settings.brute_force,
             backend,
             method: info.method.to_string(),
+            encoding: info.encoding,
             choice: info.choice.clone(),
             adapter: info.adapter.clone(),
             api: info.api.clone(),
@@ -248,6 +260,9 @@ impl Report {
             point_size_px: settings.look.point_size.pixels(),
             point_size_world: settings.look.point_size.world(),
             edl_strength: settings.look.shading.edl_strength,
+            filter: settings.look.filter.clone(),
+            clip: settings.look.clip.bounds.map(|bounds| bounds.to_string()),
+            slab: settings.look.clip.slab.map(|slab| slab.to_string()),
             high_quality: None,
             points_averaged: 0,
             grid: None,

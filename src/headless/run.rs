@@ -6,19 +6,21 @@ use std::{
 };
 
 use super::{
+    decorate::{decorate, text_px},
     default_camera_as,
     outputs::{OutputError, picture_sha256, write_npy_f32, write_npy_i64, write_png},
     progress::{Progress, grouped},
     report::{Report, Seconds, Tally, file_entries, peak_memory_bytes},
-    settings::{BackendChoice, Settings, Stop},
+    settings::{BackendChoice, Settings, Stop, fields_of},
 };
 use crate::{
     render::{
         Backend, CameraError, CpuBackend, FrameReport, FrameRequest, GpuBackend, Picture, Progressive, RasterChoice,
-        RenderError,
+        RenderError, overlay,
     },
     scene::{PointBatch, SceneFacts},
     source::{self, Event, OpenOptions, SourceError, SourceReport, Stream},
+    store::{Encoding, Packing, TooWide},
 };
 
 /// Why there is no picture.
@@ -32,6 +34,8 @@ pub enum HeadlessError {
     Camera(#[from] CameraError),
     #[error(transparent)]
     Render(#[from] RenderError),
+    #[error(transparent)]
+    TooWide(#[from] TooWide),
     #[error("the reader ended without saying why")]
     ReaderEnded,
 }
@@ -42,12 +46,13 @@ pub fn render(settings: &Settings) -> Result<Report, HeadlessError> {
     // Reading starts first: a GPU takes a while to set up.
     // What stops half-way repeats bit for bit: then the order of the points must not depend on the disk.
     let slow_read = matches!(settings.stop, Stop::Frames(_) | Stop::Points(_)).then_some(Duration::MAX);
-    let fields = settings.fields();
+    let fields = fields_of(&settings.look);
     let stream = source::open(
         &settings.inputs,
         OpenOptions { threads: settings.threads, slow_read, fields, ..Default::default() },
     );
-    let (backend, backend_name, notes) = make_backend(settings.backend, settings.method, settings.threads)?;
+    let (mut backend, backend_name, notes) = make_backend(settings.backend, settings.method, settings.threads)?;
+    backend.set_encoding(settings.encoding);
     let mut report = Report::new(settings, backend.info(), backend_name);
     report.notes = notes;
 
@@ -64,10 +69,12 @@ pub fn render(settings: &Settings) -> Result<Report, HeadlessError> {
         seconds: Seconds::default(),
         report,
     };
+    run.progressive.set_filter(&settings.look.filter, &settings.look.clip);
     let last_frame = run.draw_to_the_end(stream);
     run.progress.finish();
     let last_frame = last_frame?;
-    let picture = run.progressive.read()?;
+    let mut picture = run.progressive.read()?;
+    run.decorate(&mut picture)?;
     run.seconds.to_picture = Some(run.now());
     let report = run.into_report(last_frame, &picture);
     write_outputs(settings, &report, &picture)?;
@@ -169,14 +176,18 @@ impl Run<'_> {
     fn take(&mut self, event: Event) -> Result<(), HeadlessError> {
         match event {
             Event::Opened(facts) => {
+                if self.settings.encoding == Some(Encoding::Packed) {
+                    Packing::of_scene(&facts.grid, &facts.bounds)?;
+                }
                 self.tally = Tally::new(facts.files.len());
                 self.progress.expect(facts.points_in_header());
                 self.report.notes.extend(facts.warnings.iter().cloned());
                 let coloring = &self.settings.look.coloring;
                 self.report.notes.extend(coloring.absences(&facts));
+                self.report.notes.extend(self.settings.look.filter.absences(&facts));
                 self.progressive.open(facts.clone());
                 self.progressive.set_coloring(coloring);
-                self.progressive.carry(coloring.by.attribute().cloned());
+                self.progressive.carry(self.settings.look.attributes());
                 self.facts = Some(facts);
             }
             Event::Batch(batch) => {
@@ -207,6 +218,16 @@ impl Run<'_> {
         let view = camera.view(&facts.grid, settings.size, settings.look.point_size)?;
         self.request = Some(FrameRequest { view, fill: settings.fill_budget(), shading: settings.look.shading });
         self.report.camera = Some(camera);
+        Ok(())
+    }
+
+    /// Draws what is asked for over the picture.
+    fn decorate(&self, picture: &mut Picture) -> Result<(), CameraError> {
+        let (decor, size) = (self.settings.look.decor, self.settings.size);
+        if let (false, Some(camera), Some(facts)) = (decor.is_empty(), &self.report.camera, &self.facts) {
+            let overlay = overlay(decor, camera, size, facts, text_px(size))?;
+            decorate(picture, &overlay, camera.projection);
+        }
         Ok(())
     }
 
@@ -261,10 +282,12 @@ impl Run<'_> {
         let info = self.progressive.backend().info();
         report.method = info.method.to_string();
         report.choice.clone_from(&info.choice);
+        report.encoding = info.encoding;
         report.files = file_entries(self.facts.as_deref(), &self.tally, self.source.as_ref());
         report.points_in_header = report.files.iter().map(|f| f.points_in_header).sum();
         report.points_decoded = report.files.iter().map(|f| f.points_decoded).sum();
         report.points_stored = self.progressive.points_stored();
+        report.points_shown = self.progressive.points_shown();
         report.read_to_end = self.source.is_some();
         report.points_missing = report.files.iter().map(|f| f.points_missing).sum();
         if self.out_of_memory {

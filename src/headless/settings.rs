@@ -6,6 +6,7 @@ use super::{outputs::Outputs, progress::ProgressStyle};
 use crate::{
     render::{Camera, ColorBy, FillBudget, Look, RasterChoice, StoreOptions},
     source::Fields,
+    store::Encoding,
 };
 
 /// Points that a frame's fill tries on the way to the converged picture. Nobody watches, so frames may
@@ -61,6 +62,8 @@ pub struct Settings {
     pub camera: Option<Camera>,
     pub backend: BackendChoice,
     pub method: RasterChoice,
+    /// How positions are stored; `None`: as is best.
+    pub encoding: Option<Encoding>,
     /// Points that each frame's fill tries; by default [`CONVERGE_FILL`] or [`COUNTED_FILL`].
     pub fill: Option<u32>,
     pub look: Look,
@@ -77,16 +80,19 @@ pub struct Settings {
     pub started: Instant,
 }
 
-impl Settings {
-    /// What has to be read for the colours; `None`: what the automatic ones depend on, file by file.
-    pub(super) fn fields(&self) -> Option<Fields> {
-        match &self.look.coloring.by {
-            ColorBy::Auto => None,
-            ColorBy::Rgb => Some(Fields { rgb: true, ..Fields::NONE }),
-            ColorBy::Attribute(attribute) => Some(Fields::of([attribute])),
-        }
+/// What has to be read for a look and no other; `None`: what the automatic colours depend on, file by file.
+pub fn fields_of(look: &Look) -> Option<Fields> {
+    let attributes = look.attributes();
+    let fields = Fields::of(&attributes);
+    match &look.coloring.by {
+        ColorBy::Auto if attributes.is_empty() => None,
+        ColorBy::Auto => Some(fields.union(Fields::COLORS)),
+        ColorBy::Rgb => Some(Fields { rgb: true, ..fields }),
+        ColorBy::Attribute(_) => Some(fields),
     }
+}
 
+impl Settings {
     pub(super) fn store_options(&self) -> StoreOptions {
         let mut options =
             StoreOptions { seed: self.seed, insertion_points: self.insertion_points, ..Default::default() };

@@ -14,7 +14,7 @@ use crossbeam_channel::{Receiver, Sender, TryRecvError, bounded};
 
 use crate::{
     scene::{BATCH_POINTS, FileFacts, PointBatch, SceneFacts},
-    source::{self, Event, OpenOptions, SourceError, Stream},
+    source::{self, Event, Fields, OpenOptions, SourceError, Stream},
     store::Permutation,
     synth::{Generator, SynthError, SynthOptions},
 };
@@ -38,8 +38,9 @@ pub enum Fed {
 }
 
 impl Feed {
-    pub fn files(inputs: &[PathBuf], threads: Option<usize>) -> Feed {
-        Feed::Files(source::open(inputs, OpenOptions { threads, ..Default::default() }))
+    /// `fields`: as [`OpenOptions::fields`].
+    pub fn files(inputs: &[PathBuf], threads: Option<usize>, fields: Option<Fields>) -> Feed {
+        Feed::Files(source::open(inputs, OpenOptions { threads, fields, ..Default::default() }))
     }
 
     /// # Errors

@@ -14,11 +14,12 @@ use super::{
 use crate::{
     headless::default_camera_as,
     render::{
-        Backend, BackendInfo, Camera, FillBudget, FrameRequest, Look, PassTimes, PointSize, Progressive, RenderError,
-        StoreOptions, Sums,
+        Backend, BackendInfo, Camera, ColorBy, FillBudget, FrameRequest, Look, PassTimes, PointSize, Progressive,
+        RenderError, StoreOptions, Sums,
     },
     scene::SceneFacts,
     source::SourceError,
+    store::{Encoding, Packing, TooWide},
 };
 
 /// What to measure.
@@ -32,6 +33,8 @@ pub struct BenchFrames {
     /// Frames to time at each.
     pub frames: u32,
     pub look: Look,
+    /// How positions are stored; `None`: as a viewer does.
+    pub encoding: Option<Encoding>,
 }
 
 /// Frame times, milliseconds, in the order they were drawn.
@@ -81,6 +84,7 @@ pub struct BenchFramesReport {
     pub look: Look,
     /// How colours were summed up for high-quality shading; none without it.
     pub high_quality: Option<Sums>,
+    pub color_by: ColorBy,
     pub seed: u64,
     /// Points per second of the reader alone, without a GPU; only for files.
     pub decoded_points_per_sec: Option<f64>,
@@ -97,6 +101,8 @@ pub enum BenchError {
     Render(#[from] RenderError),
     #[error(transparent)]
     Camera(#[from] crate::render::CameraError),
+    #[error(transparent)]
+    TooWide(#[from] TooWide),
     #[error("the scene has no points to measure with")]
     NoPoints,
 }
@@ -116,20 +122,23 @@ struct Run<'a> {
 pub fn bench_frames(
     settings: &BenchFrames,
     mut feed: Feed,
-    backend: Box<dyn Backend>,
+    mut backend: Box<dyn Backend>,
     decoded_points_per_sec: Option<f64>,
     started: Instant,
 ) -> Result<BenchFramesReport, BenchError> {
+    backend.set_encoding(settings.encoding);
     let info = backend.info().clone();
     let backend_sums = backend.sums();
     let options = StoreOptions { seed: settings.seed, ..Default::default() };
     let mut run = Run { settings, progressive: Progressive::new(backend, options), scene: None, frame: 0 };
+    run.progressive.set_filter(&settings.look.filter, &settings.look.clip);
     let mut report = BenchFramesReport {
         program: concat!("firstlight ", env!("CARGO_PKG_VERSION")).into(),
         backend: info,
         inputs: vec![],
         size_px: settings.size,
         high_quality: settings.look.shading.high_quality.then_some(backend_sums),
+        color_by: settings.look.coloring.by.clone(),
         look: settings.look.clone(),
         seed: settings.seed,
         decoded_points_per_sec,
@@ -148,7 +157,12 @@ pub fn bench_frames(
             match feed.next(wait || run.scene.is_none())? {
                 Fed::Opened(facts) => {
                     report.inputs = facts.files.iter().map(|file| file.path.display().to_string()).collect();
+                    if settings.encoding == Some(Encoding::Packed) {
+                        Packing::of_scene(&facts.grid, &facts.bounds)?;
+                    }
                     run.progressive.open(facts.clone());
+                    run.progressive.set_coloring(&settings.look.coloring);
+                    run.progressive.carry(settings.look.attributes());
                     let camera = default_camera_as(&facts, None, settings.size, settings.look.projection);
                     run.scene = Some((facts, camera));
                 }
@@ -267,12 +281,14 @@ pub fn markdown(report: &BenchFramesReport) -> String {
         let _ = writeln!(out, "{text}");
     };
     line(format!(
-        "{} ({}), {}, {width}x{height}, {} points{}; {}",
+        "{} ({}), {}, {} positions, {width}x{height}, {} points{}, coloured by {}; {}",
         report.backend.adapter,
         report.backend.api,
         report.backend.method,
+        report.backend.encoding.name(),
         points,
         report.high_quality.map(|sums| format!(", high quality ({sums})")).unwrap_or_default(),
+        report.color_by,
         report.inputs.join(", ")
     ));
     line(format!("first picture after {:.2} s", report.secs_to_first_picture));

@@ -91,13 +91,13 @@ mod targets;
 mod timing;
 pub mod twin;
 
+pub use crate::store::{Encoding, Packing, TooWide};
 pub use ceilings::{Ceilings, Copies, ceilings};
-pub use cloud::{Arranged, Cloud, Encoding, Packing};
+pub use cloud::{Arranged, Cloud};
 pub use depth40::Depth40;
 pub use gpu::Gpu;
 pub use launch::Launch;
 pub use paced::{Abandoned, Paced};
-pub use pages::PageUniform;
 pub use runner::Runner;
 pub use table::{METHODS, Method, Needs, by_name};
 pub use timing::FrameTime;
@@ -128,9 +128,8 @@ pub enum MethodError {
     Render(#[from] RenderError),
     #[error("{0}")]
     Unsupported(String),
-    #[error("8 bytes hold 64 bits of position, and this cloud needs {} + {} + {}; choose the wide encoding",
-        .bits[0], .bits[1], .bits[2])]
-    TooWide { bits: [u32; 3] },
+    #[error(transparent)]
+    TooWide(#[from] TooWide),
     #[error("{positions} positions and {colors} colours: a cloud has one colour for each position")]
     Unequal { positions: usize, colors: usize },
     #[error("{0} points are more than 32 bits can number")]

@@ -1,7 +1,7 @@
 //! The shader modules of the methods, as lists of files. Each has the encoding's way to load a point in
 //! front, so that there are two of each.
 
-use super::{Launch, cloud::Encoding};
+use super::{Encoding, Launch};
 use crate::gpu::{
     kernel::GROUP,
     shaders::{INT64_ATOMICS, INT64_MIN_MAX, with_lane},
@@ -25,17 +25,17 @@ macro_rules! wgsl {
 
 const EACH: &str = wgsl!("methods/each");
 const READ_FOUR: &str = wgsl!("methods/read");
-const PRELUDE: [&str; 3] = [wgsl!("group"), wgsl!("project"), wgsl!("methods/page")];
+const PRELUDE: [&str; 3] = [wgsl!("group"), wgsl!("project"), wgsl!("page")];
 
 impl Kernel {
     /// The whole module for points in that encoding.
     pub fn source(&self, encoding: Encoding, launch: Launch) -> String {
         let load = match encoding {
-            Encoding::Wide => wgsl!("methods/load_wide"),
-            Encoding::Packed => wgsl!("methods/load_packed"),
+            Encoding::Wide => [wgsl!("methods/load_wide"), ""],
+            Encoding::Packed => [wgsl!("packed"), wgsl!("methods/load_packed")],
         };
         let fill_in = |&part: &&'static str| if part == EACH { launch.fill_in(EACH) } else { part.into() };
-        with_lane(PRELUDE.concat() + load + &self.parts.iter().map(fill_in).collect::<String>())
+        with_lane(PRELUDE.concat() + &load.concat() + &self.parts.iter().map(fill_in).collect::<String>())
     }
 
     /// Workgroups for so many points or pixels.

@@ -11,23 +11,12 @@ use crate::{
         device,
         kernel::{self, Binding},
     },
+    store::gpu::PageUniform,
 };
 
 /// Points uploaded at once: 128 MiB in the wide encoding. Large enough for many threads, small enough that two
 /// pieces on their way need little memory.
 const UPLOAD_POINTS: usize = 1 << 23;
-
-/// What a kernel knows of a page. Layout shared with `shaders/methods/page.wgsl`.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
-pub struct PageUniform {
-    pub base: [i32; 3],
-    pub first: u32,
-    pub len: u32,
-    pub unused_a: u32,
-    pub unused_b: u32,
-    pub unused_c: u32,
-}
 
 pub struct Page {
     /// Slot of the first point.
@@ -143,8 +132,7 @@ impl Pages {
     }
 
     fn uniform(&self, device: &wgpu::Device, queue: &wgpu::Queue, first: u32, len: u32) -> wgpu::Buffer {
-        let base = self.packing.map_or([0; 3], |packing| packing.base);
-        let page = PageUniform { base, first, len, unused_a: 0, unused_b: 0, unused_c: 0 };
+        let page = PageUniform::new(self.packing, first, len);
         let uniform = kernel::uniform(device, "page", size_of::<PageUniform>() as u64);
         queue.write_buffer(&uniform, 0, bytemuck::bytes_of(&page));
         uniform

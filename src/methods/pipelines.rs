@@ -3,8 +3,7 @@
 use std::collections::HashMap;
 
 use super::{
-    Launch, Packing,
-    cloud::Encoding,
+    Encoding, Launch, Packing,
     modules::{self, Kernel},
 };
 use crate::gpu::kernel;

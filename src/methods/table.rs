@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::{
-    cloud::Encoding,
+    Encoding,
     modules::Kernel,
     plan::{Plan, Rule, Step, plans},
 };

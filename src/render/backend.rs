@@ -8,12 +8,13 @@ use super::{
     choice::Choice,
     color::PointColors,
     column::{ColumnId, Keys},
+    filter::MaskRules,
     view::View,
 };
 use crate::{
     device::{PassTimes, Passes, Raster, RenderError},
     scene::PointBatch,
-    store::Insertion,
+    store::{Encoding, Insertion, Packing},
 };
 
 /// Who draws.
@@ -25,6 +26,8 @@ pub struct BackendInfo {
     pub api: String,
     pub driver: String,
     pub method: Raster,
+    /// How positions are stored now.
+    pub encoding: Encoding,
     /// What speaks for the method; none on the processor.
     pub choice: Option<Choice>,
 }
@@ -45,6 +48,8 @@ pub struct FramePlan {
     pub colors: Arc<PointColors>,
     /// The second pass of high-quality shading; without, each pixel shows its front point.
     pub averaging: Option<Averaging>,
+    /// Hides the points that fail these tests; none: all are shown.
+    pub mask: Option<Arc<MaskRules>>,
     /// A picture for comparing while a scene converges: which slots were visible, which are fresh, and the sums stay
     /// as they were, and no method is measured. Only the words are overwritten: the next frame cannot keep them.
     pub aside: bool,
@@ -113,11 +118,14 @@ pub struct Shading {
     /// High-quality shading (Schütz and Wimmer 2019): a pixel shows the mean colour of all points within
     /// 1 % behind its front depth. Twice the work on points; off by default.
     pub high_quality: bool,
+    /// Small holes in surfaces take the colour of a point beside them.
+    #[serde(default)]
+    pub fill_holes: bool,
 }
 
 impl Default for Shading {
     fn default() -> Self {
-        Shading { edl_strength: 0.4, background: [24, 28, 34], high_quality: false }
+        Shading { edl_strength: 0.4, background: [24, 28, 34], high_quality: false, fill_holes: false }
     }
 }
 
@@ -140,8 +148,13 @@ pub trait Backend {
     /// How it sums up colours for high-quality shading.
     fn sums(&self) -> Sums;
 
-    /// Empties the store. `points` are to be expected (a hint for the size of pages).
-    fn reset(&mut self, points: u64);
+    /// How positions of scenes to come are stored; `None`: as is best for the device. A backend that has but one encoding
+    /// keeps it: no picture depends on it.
+    fn set_encoding(&mut self, _encoding: Option<Encoding>) {}
+
+    /// Empties the store. `points` are to be expected (a hint for the size of pages), in a box that this packing holds,
+    /// if there is one; some may lie outside.
+    fn reset(&mut self, points: u64, packing: Option<Packing>);
 
     /// Most insertions that may happen between two frames.
     fn insertions_per_frame(&self) -> usize;
@@ -173,6 +186,11 @@ pub trait Backend {
     /// Times of the latest frame that the device has finished, if it can tell; each is returned once.
     fn pass_times(&mut self) -> Option<PassTimes>;
 
+    /// Points that the filter of the last frame shows, as soon as that is known; none without a filter.
+    fn points_shown(&mut self) -> Option<u64> {
+        None
+    }
+
     /// Measures now which of its methods is the fastest, instead of between frames, if that is due.
     fn choose(&mut self) -> Result<(), RenderError> {
         Ok(())
@@ -192,8 +210,11 @@ impl<B: Backend + ?Sized> Backend for Box<B> {
     fn sums(&self) -> Sums {
         (**self).sums()
     }
-    fn reset(&mut self, points: u64) {
-        (**self).reset(points);
+    fn set_encoding(&mut self, encoding: Option<Encoding>) {
+        (**self).set_encoding(encoding);
+    }
+    fn reset(&mut self, points: u64, packing: Option<Packing>) {
+        (**self).reset(points, packing);
     }
     fn insertions_per_frame(&self) -> usize {
         (**self).insertions_per_frame()
@@ -218,6 +239,9 @@ impl<B: Backend + ?Sized> Backend for Box<B> {
     }
     fn pass_times(&mut self) -> Option<PassTimes> {
         (**self).pass_times()
+    }
+    fn points_shown(&mut self) -> Option<u64> {
+        (**self).points_shown()
     }
     fn choose(&mut self) -> Result<(), RenderError> {
         (**self).choose()

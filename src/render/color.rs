@@ -60,6 +60,12 @@ impl FileColor {
         FileColor { first_record, kind: 9, low: u32::from_le_bytes([r, g, b, 0]), high: 0 }
     }
 
+    /// What [`FileColor::constant`] was made of.
+    pub fn constant_color(&self) -> [u8; 3] {
+        let [r, g, b, _] = self.low.to_le_bytes();
+        [r, g, b]
+    }
+
     /// Intensity by the scale of [`PointColors`].
     pub fn intensity(first_record: u32) -> FileColor {
         FileColor { first_record, kind: 7, low: 0, high: 0 }
@@ -107,7 +113,7 @@ impl FileColor {
             6 => [toned(u32::from(grey()) * 257); 3],
             7 => of_ramp(level(thresholds, u32::from(intensity) + 1)),
             8 => of_ramp(level(thresholds, grid_key(z))),
-            9 => std::array::from_fn(|channel| self.low.to_le_bytes()[channel]),
+            9 => self.constant_color(),
             _ => {
                 let (low, high) = (self.low.cast_signed(), self.high.cast_signed());
                 let above = z.max(low).wrapping_sub(low).cast_unsigned();

@@ -22,13 +22,7 @@ const DIRECTIONS: [[isize; 2]; 8] = [[1, 0], [1, 1], [0, 1], [-1, 1], [-1, 0], [
 
 /// Which pixel a background pixel takes its colour from, if it is in a hole. `depth` is that of a pixel's point,
 /// +∞ or not a number for background. With a `mask` of 9, every pixel with a point in reach is taken for a hole.
-pub fn source(
-    size: [usize; 2],
-    pixel: usize,
-    reach: usize,
-    mask: u32,
-    depth: impl Fn(usize) -> f32,
-) -> Option<usize> {
+pub fn source(size: [usize; 2], pixel: usize, reach: usize, mask: u32, depth: impl Fn(usize) -> f32) -> Option<usize> {
     let [width, height] = size;
     let (x, y) = (pixel % width, pixel / width);
     let (mut nearest, mut found) = (f32::MAX, None);
@@ -71,7 +65,11 @@ mod tests {
         assert_eq!(filled(&["555", "5.5", "555"]), [(4, 5)]);
         // Two and three pixels wide.
         assert_eq!(filled(&["55555", "55..5", "55..5", "55555"]).len(), 4);
-        assert_eq!(filled(&["55555", "5...5", "5...5", "5...5", "55555"]).len(), 5, "corners see three empty directions");
+        assert_eq!(
+            filled(&["55555", "5...5", "5...5", "5...5", "55555"]).len(),
+            5,
+            "corners see three empty directions"
+        );
         // Half of the points are missing.
         assert_eq!(filled(&["5.5.5", ".5.5.", "5.5.5", ".5.5.", "5.5.5"]).len(), 12 - 8);
     }

@@ -6,9 +6,11 @@ use super::{
     backend::Shading,
     camera::Projection,
     coloring::Coloring,
+    decor::Decor,
     filter::{Clip, Filter},
     point_size::PointSize,
 };
+use crate::scene::Attribute;
 
 /// How a scene is shown: what the window's controls set, and the options of `render` of the same names. The camera
 /// and the size of the picture are not part of it.
@@ -24,4 +26,24 @@ pub struct Look {
     pub filter: Filter,
     /// Which part of space is shown.
     pub clip: Clip,
+    /// What is drawn over the picture.
+    pub decor: Decor,
+}
+
+impl Look {
+    /// The attributes that it takes, each once.
+    pub fn attributes(&self) -> Vec<Attribute> {
+        let mut attributes: Vec<Attribute> = self.coloring.by.attribute().cloned().into_iter().collect();
+        for attribute in self.filter.attributes() {
+            if !attributes.contains(attribute) {
+                attributes.push(attribute.clone());
+            }
+        }
+        attributes
+    }
+
+    /// Neither a filter nor a clipping box or slab hides any point.
+    pub fn shows_all(&self) -> bool {
+        self.filter.clauses.is_empty() && self.clip == Clip::default()
+    }
 }

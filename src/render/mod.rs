@@ -18,12 +18,15 @@ mod color;
 mod coloring;
 mod column;
 mod cpu;
+mod decor;
 mod filter;
 mod frame;
 mod gpu;
 mod histogram;
+mod holes;
 mod in_motion;
 mod keys;
+mod legend;
 mod lens;
 mod look;
 mod paint;
@@ -31,6 +34,7 @@ mod point_size;
 mod progressive;
 mod progressive_values;
 mod scale;
+mod selection;
 mod shading;
 mod values;
 mod view;
@@ -48,12 +52,15 @@ pub use coloring::{
 };
 pub use column::{ColumnColors, ColumnId, Keys, Lookup};
 pub use cpu::{CpuBackend, list_visible};
+pub use decor::{Decor, Line, Overlay, overlay, unit_name};
 pub use filter::{
-    Clause, ClauseError, Clip, ClipBox, ClipError, Filter, Key, MaskRules, RULE_WORDS, Slab, Test, Values, ValuesError,
+    Clause, ClauseError, Clip, ClipBox, ClipError, Filter, Key, MaskRules, Place, Slab, Test, Values, ValuesError,
 };
 pub use frame::{FrameReport, FrameRequest, INSERTION_POINTS, Reprojection, StoreOptions};
 pub use gpu::{ColorTablesUniform, ColumnScaleUniform, GpuBackend, ShadingUniform};
 pub use histogram::{AttributeStats, Histogram};
+pub use holes::{MASK as HOLE_MASK, REACH as HOLE_REACH, source as hole_source};
+pub use legend::{Legend, LegendClass, LegendKey, Tick};
 pub use lens::Lens;
 pub use look::Look;
 pub use point_size::{MAX_PX, MAX_WORLD_PX, PointSize};

@@ -9,13 +9,14 @@ use super::{
     color::PointColors,
     coloring::Coloring,
     frame::{FrameReport, FrameRequest, MAX_POINTS, Reprojection, StoreOptions},
+    selection::Selection,
     values::Values,
     view::View,
 };
 use crate::{
     device::{PassTimes, Passes, Raster, RenderError},
     scene::{ColorStats, PointBatch, SceneFacts},
-    store::{Coverage, Insertion, MAX_INSERTION_POINTS},
+    store::{Coverage, Insertion, MAX_INSERTION_POINTS, Packing},
 };
 
 /// A scene that grows while it is drawn.
@@ -30,6 +31,7 @@ pub struct Progressive<B> {
     /// What comes of `coloring`, `stats` and `values`, unless these have changed since.
     pub(super) colors: Arc<PointColors>,
     pub(super) colors_are_stale: bool,
+    pub(super) selection: Selection,
     /// Batches not yet (wholly) staged; of the first, `taken` points are.
     queue: VecDeque<PointBatch>,
     taken: usize,
@@ -37,7 +39,7 @@ pub struct Progressive<B> {
     staged: PointBatch,
     input_ended: bool,
     insertions: u64,
-    stored: u32,
+    pub(super) stored: u32,
     coverage: Coverage,
     /// Points moved to other slots after the points tried had been compared by them. Among points of
     /// equal depth in a pixel (duplicates, level ground from above) the lowest slot wins; if the
@@ -73,6 +75,7 @@ impl<B: Backend> Progressive<B> {
             values: Values::default(),
             colors: Arc::new(Vec::new().into()),
             colors_are_stale: false,
+            selection: Selection::default(),
             queue: VecDeque::new(),
             taken: 0,
             spent: Vec::new(),
@@ -116,7 +119,8 @@ impl<B: Backend> Progressive<B> {
 
     /// Starts a scene; an earlier one is dropped.
     pub fn open(&mut self, scene: Arc<SceneFacts>) {
-        self.backend.reset(scene.points_in_header().min(self.options.max_points));
+        let packing = Packing::of_scene(&scene.grid, &scene.bounds).ok();
+        self.backend.reset(scene.points_in_header().min(self.options.max_points), packing);
         self.stats = vec![ColorStats::default(); scene.files.len()];
         self.values = Values::new(scene.clone());
         self.colors_are_stale = true;
@@ -133,6 +137,7 @@ impl<B: Backend> Progressive<B> {
         self.undrawn = 0;
         self.memory_full = false;
         self.last_view = None;
+        self.selection.is_stale = true;
     }
 
     /// True if the next frame could insert more points than are waiting.
@@ -219,12 +224,14 @@ impl<B: Backend> Progressive<B> {
         self.insert_waiting(self.budget.insertions(request.fill, limit))?;
         self.insert_secs = start.elapsed().as_secs_f64();
         if let Some(refusal) = self.values.take_refusal() {
+            self.selection.is_stale = true;
             return Err(refusal);
         }
         if self.is_loaded() {
             self.values.end_carrying();
         }
         self.refresh_colors();
+        self.refresh_mask();
         if self.unsettled && self.is_loaded() {
             self.restart();
         }
@@ -247,6 +254,7 @@ impl<B: Backend> Progressive<B> {
     pub fn brute_force(&mut self, request: &FrameRequest) -> Result<FrameReport, RenderError> {
         self.insert_waiting(self.backend.insertions_per_frame() - self.undrawn)?;
         self.refresh_colors();
+        self.refresh_mask();
         self.coverage = Coverage::default();
         self.unsettled = false;
         self.averages = Averages::default();
@@ -316,6 +324,7 @@ impl<B: Backend> Progressive<B> {
             shading: request.shading,
             colors: self.colors.clone(),
             averaging: None,
+            mask: self.selection.mask.clone(),
             aside: false,
         }
     }
@@ -351,7 +360,7 @@ impl<B: Backend> Progressive<B> {
     }
 
     /// Tries all points again, whatever was tried before.
-    fn restart(&mut self) {
+    pub(super) fn restart(&mut self) {
         self.coverage.restart();
         self.unsettled = false;
         self.averages.invalidate();

@@ -4,9 +4,11 @@ use std::sync::Arc;
 
 use super::{
     Backend, Progressive,
+    color::{FileColor, NO_DATA},
     coloring::{ColorBy, Coloring},
     column::ColumnId,
     histogram::AttributeStats,
+    legend::{self, Legend, LegendKey},
     paint,
     scale::Scale,
 };
@@ -20,6 +22,7 @@ impl<B: Backend> Progressive<B> {
     /// of the reader. To be called before the first batch.
     pub fn carry(&mut self, attributes: impl IntoIterator<Item = Attribute>) {
         self.values.carry(attributes);
+        self.selection.is_stale = true;
     }
 
     /// Colours points otherwise from the next frame on. That frame costs no more than any; where values are lacking,
@@ -47,6 +50,7 @@ impl<B: Backend> Progressive<B> {
     pub fn begin_values(&mut self, attributes: Vec<Attribute>) {
         self.values.begin_reading(attributes, &mut self.backend);
         self.colors_are_stale = true;
+        self.selection.is_stale = true;
     }
 
     /// Takes the announced values of a batch, whose points are not stored: they are, or will be, by the way of
@@ -57,6 +61,7 @@ impl<B: Backend> Progressive<B> {
     pub fn offer_values(&mut self, batch: &PointBatch) -> Result<(), RenderError> {
         self.values.take_values(batch, &mut self.backend, &self.coloring);
         self.colors_are_stale = true;
+        self.selection.is_stale = true;
         self.values.take_refusal().map_or(Ok(()), Err)
     }
 
@@ -64,12 +69,14 @@ impl<B: Backend> Progressive<B> {
     pub fn end_values(&mut self) {
         self.values.end_reading();
         self.colors_are_stale = true;
+        self.selection.is_stale = true;
     }
 
     /// Nobody will fetch the announced values: those that have not all come are dropped.
     pub fn drop_values(&mut self) {
         self.values.stop_reading(&mut self.backend);
         self.colors_are_stale = true;
+        self.selection.is_stale = true;
     }
 
     /// True while announced values are on their way.
@@ -86,10 +93,61 @@ impl<B: Backend> Progressive<B> {
         }
     }
 
-    /// How an attribute's values are spread so far, if it is known: what a histogram, counts of classes and an
-    /// automatic range are made of. Elevations are in steps of the scene's grid, see [`Progressive::range`].
+    /// How an attribute's values are spread so far, if it is known: what a histogram and an automatic range are made
+    /// of. Elevations are in steps of the scene's grid. Of elevations of large scenes, and of intensities, a sample
+    /// is counted.
     pub fn stats(&self, attribute: &Attribute) -> Option<AttributeStats> {
         self.values.stats(attribute, &self.stats)
+    }
+
+    /// The numbers of points, or of a sample of them, in `bins` equal parts of a range in the attribute's unit.
+    pub fn histogram(&self, attribute: &Attribute, range: [f64; 2], bins: usize) -> Option<Vec<u64>> {
+        let grid = &self.scene.as_ref()?.grid;
+        let of_stats = |z: f64| match attribute {
+            Attribute::Elevation => (z - grid.origin[2]) / grid.scale[2],
+            _ => z,
+        };
+        Some(self.stats(attribute)?.bins(range.map(of_stats), bins))
+    }
+
+    /// Smallest and largest value so far, in the attribute's unit.
+    pub fn extent(&self, attribute: &Attribute) -> Option<[f64; 2]> {
+        self.values.clipped(attribute, 0.0, &self.stats)
+    }
+
+    /// How many points have each of the values that there are so far, by value: of classes, returns, sources, user
+    /// data, and files. Of other attributes, and of what was not read, none.
+    pub fn counts(&self, attribute: &Attribute) -> Vec<(u16, u64)> {
+        match attribute {
+            Attribute::Intensity => Vec::new(),
+            _ => self.values.counts(attribute, &self.stats),
+        }
+    }
+
+    /// What the colours mean; `None` for RGB, and for automatic colours, which differ from file to file.
+    pub fn legend(&self) -> Option<Legend> {
+        let (scene, attribute) = (self.scene.as_ref()?, legend::subject(&self.coloring)?);
+        let title = legend::title(attribute, scene);
+        let rgb = |[r, g, b, _]: [u8; 4]| [r, g, b];
+        let colors = paint::point_colors(&self.coloring, scene, &self.stats, &self.values);
+        let key = if attribute.is_categorical() {
+            let table = colors.column.as_ref().map(|column| column.colors);
+            let color = |value: u16| match (attribute, &table) {
+                (Attribute::File, _) => colors.files.get(usize::from(value)).map_or(NO_DATA, FileColor::constant_color),
+                (_, Some(table)) => rgb(table[usize::from(value) & 255]),
+                _ => NO_DATA,
+            };
+            LegendKey::Classes(legend::classes(&self.coloring, attribute, &self.counts(attribute), color, scene))
+        } else {
+            let scale = self.scale(attribute);
+            let ramp = colors.column.as_ref().map_or(&colors.ramp, |column| &column.colors);
+            LegendKey::Scale {
+                colors: ramp.iter().copied().map(rgb).collect(),
+                ticks: legend::ticks(attribute, &scale, scene),
+                scale,
+            }
+        };
+        Some(Legend { title, key })
     }
 
     /// True if all values of an attribute that is not in the store's slots have come.

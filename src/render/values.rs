@@ -45,6 +45,8 @@ pub struct Values {
     columns: Vec<ValueColumn>,
     /// What the batches of points have.
     carried: Vec<Attribute>,
+    /// What must stay, whatever the colours: a filter needs it.
+    protected: Vec<Attribute>,
     /// What is read besides, at the moment.
     reading: Vec<Attribute>,
     /// The grid's third coordinate, sampled by record number.
@@ -126,6 +128,16 @@ impl Values {
                 column.state = State::Complete;
             }
         }
+    }
+
+    /// These are needed whatever the colours are.
+    pub fn protect(&mut self, attributes: Vec<Attribute>) {
+        self.protected = attributes;
+    }
+
+    /// Whether its values are on their way, and come otherwise than with the points.
+    pub fn is_being_read(&self, attribute: &Attribute) -> bool {
+        self.reading.contains(attribute)
     }
 
     pub fn is_reading(&self) -> bool {
@@ -213,8 +225,10 @@ impl Values {
 
     /// Drops all columns but these; false if there were none.
     fn make_room(&mut self, keep: [Option<ColumnId>; 2], backend: &mut impl Backend) -> bool {
-        let others =
-            |(id, column): &(ColumnId, &ValueColumn)| column.state == State::Complete && !keep.contains(&Some(*id));
+        let others = |(id, column): &(ColumnId, &ValueColumn)| {
+            let is_needed = keep.contains(&Some(*id)) || self.protected.contains(&column.attribute);
+            column.state == State::Complete && !is_needed
+        };
         let others: Vec<ColumnId> = self.columns.iter().enumerate().filter(others).map(|(id, _)| id).collect();
         others.iter().for_each(|&id| self.drop_column(id, backend));
         !others.is_empty()
@@ -289,6 +303,16 @@ impl Values {
                 Some(AttributeStats::Counted(counts))
             }
             _ => self.column(attribute).map(|column| column.stats.clone()),
+        }
+    }
+
+    /// As [`AttributeStats::counts`].
+    pub fn counts(&self, attribute: &Attribute, stats: &[ColorStats]) -> Vec<(u16, u64)> {
+        match attribute {
+            Attribute::Elevation | Attribute::Intensity | Attribute::File => {
+                self.stats(attribute, stats).map_or_else(Vec::new, |stats| stats.counts())
+            }
+            _ => self.column(attribute).map_or_else(Vec::new, |column| column.stats.counts()),
         }
     }
 

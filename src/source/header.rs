@@ -17,7 +17,7 @@ use super::{
     layout::RecordLayout,
     vlr::{self, Vlr},
 };
-use crate::scene::{Bounds, ExtraDimension};
+use crate::scene::{Bounds, ExtraDimension, GpsClock};
 
 /// Bytes of a record of each point format, without extra bytes.
 pub const RECORD_LENGTHS: [u16; 11] = [20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67];
@@ -69,6 +69,16 @@ pub struct Header {
 }
 
 impl Header {
+    /// What the points' GPS times count, by the global encoding's bits 0 and 6.
+    pub fn gps_clock(&self) -> GpsClock {
+        let encoding = self.raw.global_encoding;
+        match (encoding & 1, encoding >> 6 & 1, &self.gps_times) {
+            (0, ..) => GpsClock::Week,
+            (_, 1, Some(times)) => GpsClock::Standard { offset: f64::from(times.offset) * 1e6 },
+            _ => GpsClock::Standard { offset: 1e9 },
+        }
+    }
+
     /// Opens a file and reads its header.
     pub fn read(path: &Path) -> Result<(Header, File), SourceError> {
         let (file, file_length) = open_regular(path)?;

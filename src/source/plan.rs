@@ -222,9 +222,11 @@ impl FilePlan {
             points_in_header: self.points,
             bounds: self.bounds,
             kind: self.header.kind(),
+            metres_per_unit: self.crs.metres_per_unit(),
             record: RecordFacts {
                 format: self.header.format,
                 scan_angle_step: if self.reader.layout.extended { 0.006 } else { 1.0 },
+                gps_clock: self.header.gps_clock(),
                 has_intensities: self.reader.fields.intensity,
                 extra_bytes: self.reader.layout.extra_bytes(),
                 extra_dimensions: self.extra_dimensions.clone(),

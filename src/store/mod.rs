@@ -8,8 +8,10 @@
 mod coverage;
 pub mod gpu;
 mod insertion;
+mod packing;
 mod permutation;
 
 pub use coverage::Coverage;
 pub use insertion::{Insertion, MAX_INSERTION_POINTS};
+pub use packing::{Encoding, Packing, TooWide};
 pub use permutation::{Permutation, ROUNDS, SlotOrder};

@@ -53,14 +53,14 @@ impl App {
             pace: Pace::default(),
         };
         if !options.inputs.is_empty() {
-            app.scene.open(ctx, options.inputs);
+            app.scene.open(ctx, options.inputs, &app.settings);
         }
         Ok(app)
     }
 
     /// Lets points in and draws; true if the next frame should follow at once.
-    fn advance(&mut self) -> bool {
-        let advance = self.scene.advance(&mut self.messages, &self.settings, self.size);
+    fn advance(&mut self, ctx: &Context) -> bool {
+        let advance = self.scene.advance(ctx, &mut self.messages, &self.settings, self.size);
         self.pace.note_drawn(advance.drawn);
         advance.again
     }
@@ -181,7 +181,7 @@ impl eframe::App for App {
     fn logic(&mut self, ctx: &Context, _: &mut eframe::Frame) {
         if ctx.input(|i| i.viewport().visible()) == Some(false) {
             self.scene.take_incoming(ctx, &mut self.messages, self.size);
-            if self.advance() {
+            if self.advance(ctx) {
                 ctx.request_repaint();
             }
         }
@@ -195,7 +195,7 @@ impl eframe::App for App {
 
         let dropped: Vec<PathBuf> = ctx.input(|i| i.raw.dropped_files.iter().map(|f| f.path().to_owned()).collect());
         if !dropped.is_empty() {
-            self.scene.open(&ctx, dropped);
+            self.scene.open(&ctx, dropped, &self.settings);
         }
         self.scene.take_incoming(&ctx, &mut self.messages, self.size);
 
@@ -219,7 +219,7 @@ impl eframe::App for App {
 
         // Nobody will see the frame after the last.
         let closing = ctx.input(|i| i.viewport().close_requested());
-        let mut again = !closing && (self.advance() || flying);
+        let mut again = !closing && (self.advance(&ctx) || flying);
         if !closing && !again {
             self.measure_at_rest(&ctx);
         }

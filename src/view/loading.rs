@@ -11,19 +11,21 @@ use crossbeam_channel::TryRecvError;
 
 use crate::{
     render::{Backend, Progressive},
-    scene::SceneFacts,
-    source::{self, Event, OpenOptions, SourceReport, Stream},
+    scene::{Attribute, SceneFacts},
+    source::{self, Event, Fields, OpenOptions, SourceReport, Stream},
 };
 
 /// Speed is shown as an average over this long.
 const RATE_WINDOW: Duration = Duration::from_secs(1);
 
 /// Said when the channel closes before its last event.
-const LOST: &str = "the reader stopped without saying why; this is a defect of firstlight, please report it";
+pub const LOST: &str = "the reader stopped without saying why; this is a defect of firstlight, please report it";
 
 /// A scene on its way in. Dropping it stops the decoders.
 pub struct Loading {
     stream: Option<Stream>,
+    /// Attributes that all batches have.
+    pub carried: Vec<Attribute>,
     scene: Option<Arc<SceneFacts>>,
     points_read: u64,
     started: Instant,
@@ -58,9 +60,19 @@ pub enum End {
 }
 
 impl Loading {
-    pub fn start(inputs: &[PathBuf], threads: Option<usize>, wake: Arc<dyn Fn() + Send + Sync>) -> Loading {
+    /// `carried`: attributes to read besides what the automatic colours depend on.
+    pub fn start(
+        inputs: &[PathBuf],
+        threads: Option<usize>,
+        carried: Vec<Attribute>,
+        wake: Arc<dyn Fn() + Send + Sync>,
+    ) -> Loading {
+        // The automatic colours too: back to them is a key away.
+        let fields = (!carried.is_empty()).then(|| Fields::of(&carried).union(Fields::COLORS));
+        let options = OpenOptions { threads, fields, wake: Some(wake), ..Default::default() };
         Loading {
-            stream: Some(source::open(inputs, OpenOptions { threads, wake: Some(wake), ..Default::default() })),
+            stream: Some(source::open(inputs, options)),
+            carried,
             scene: None,
             points_read: 0,
             started: Instant::now(),

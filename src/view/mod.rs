@@ -14,6 +14,7 @@ mod navigation;
 mod overlay;
 mod pace;
 mod probe;
+mod rereading;
 mod scene_state;
 mod settings;
 

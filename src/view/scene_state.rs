@@ -13,6 +13,7 @@ use super::{
     loading::{Drained, End, First, Loading},
     messages::{Messages, Severity},
     navigation::Navigation,
+    rereading::Rereading,
     settings::Settings,
 };
 use crate::{
@@ -39,8 +40,10 @@ pub struct SceneState {
     pub last_report: Option<FrameReport>,
     fill: FillBudget,
     threads: Option<usize>,
+    /// Values that a look needs and that the points came without.
+    pub rereading: Rereading,
     /// Size of the picture that could not be drawn; another may do.
-    undrawable: Option<([u32; 2], bool)>,
+    undrawable: Option<([u32; 2], bool, bool)>,
 }
 
 /// What [`SceneState::advance`] did.
@@ -55,23 +58,27 @@ impl SceneState {
     pub fn new(backend: GpuBackend, options: &Options, is_software: bool) -> SceneState {
         let store = StoreOptions { seed: options.seed, ..Default::default() };
         let target = FillBudget::Target(if is_software { SOFTWARE_FRAME_SECS } else { GPU_FRAME_SECS });
+        let mut progressive = Progressive::new(backend, store);
+        progressive.set_coloring(&options.look.coloring);
         SceneState {
-            progressive: Progressive::new(backend, store),
+            progressive,
             loading: None,
             incoming: None,
             navigation: None,
             last_report: None,
             fill: options.fill.map_or(target, FillBudget::Fixed),
             threads: options.threads,
+            rereading: Rereading::default(),
             undrawable: None,
         }
     }
 
     /// Starts to read; what is on screen stays until the new headers are known.
-    pub fn open(&mut self, ctx: &Context, inputs: Vec<PathBuf>) {
+    pub fn open(&mut self, ctx: &Context, inputs: Vec<PathBuf>, settings: &Settings) {
         let ctx = ctx.clone();
         let wake = Arc::new(move || ctx.request_repaint());
-        self.incoming = Some((Loading::start(&inputs, self.threads, wake), inputs));
+        let carried = settings.look.attributes();
+        self.incoming = Some((Loading::start(&inputs, self.threads, carried, wake), inputs));
     }
 
     /// Takes over the incoming scene once its headers are read.
@@ -92,10 +99,15 @@ impl SceneState {
                 for warning in &scene.warnings {
                     messages.add(Severity::Note, warning.as_str());
                 }
+                for absence in self.progressive.coloring().absences(&scene) {
+                    messages.add(Severity::Note, absence);
+                }
                 let title = format!("{} – firstlight", title(&scene, inputs));
                 ctx.send_viewport_cmd(ViewportCommand::Title(title));
                 self.navigation = Some(Navigation::new(scene.grid, &scene.bounds, size));
                 self.progressive.open(scene);
+                self.progressive.carry(loading.carried.iter().cloned());
+                self.rereading = Rereading::default();
                 self.undrawable = None;
                 self.last_report = None;
                 self.loading = self.incoming.take().map(|(loading, _)| loading);
@@ -126,16 +138,47 @@ impl SceneState {
         again
     }
 
+    /// Sees to it that the values that the look takes are read, and lets them in; true if there may be more.
+    fn take_values(&mut self, ctx: &Context, messages: &mut Messages, settings: &Settings) -> bool {
+        if self.progressive.coloring() != &settings.look.coloring {
+            self.progressive.set_coloring(&settings.look.coloring);
+            self.say_absences(messages, settings);
+        }
+        let wanted = settings.look.attributes();
+        let wake = || {
+            let ctx = ctx.clone();
+            Arc::new(move || ctx.request_repaint()) as Arc<dyn Fn() + Send + Sync>
+        };
+        self.rereading.follow(&mut self.progressive, &wanted, self.threads, wake);
+        match self.rereading.drain(&mut self.progressive, DRAIN_TIME) {
+            Ok(again) => again,
+            Err(error) => {
+                messages.add(Severity::Error, sentence(&error));
+                false
+            }
+        }
+    }
+
+    /// Says which files lack what the points are to be coloured by.
+    fn say_absences(&self, messages: &mut Messages, settings: &Settings) {
+        if let Some(scene) = self.progressive.scene() {
+            for absence in settings.look.coloring.absences(scene) {
+                messages.add(Severity::Note, absence);
+            }
+        }
+    }
+
     /// Lets points in and draws.
-    pub fn advance(&mut self, messages: &mut Messages, settings: &Settings, size: [u32; 2]) -> Advance {
-        let again = self.take_points(messages);
-        let key = (size, settings.look.shading.high_quality);
+    pub fn advance(&mut self, ctx: &Context, messages: &mut Messages, settings: &Settings, size: [u32; 2]) -> Advance {
+        let mut again = self.take_points(messages);
+        again |= self.take_values(ctx, messages, settings);
+        let key = (size, settings.look.shading.high_quality, settings.look.shows_all());
         if size.contains(&0) || self.undrawable == Some(key) {
             return Advance { again, drawn: false };
         }
         let Some(view) = self.view(settings, size) else { return Advance { again, drawn: false } };
-        self.progressive.set_coloring(&settings.look.coloring);
         let shading = settings.shading();
+        self.progressive.set_filter(&settings.look.filter, &settings.look.clip);
         match self.progressive.frame(&FrameRequest { view, fill: self.fill, shading }) {
             Ok(report) => {
                 self.last_report = Some(report);
@@ -180,6 +223,7 @@ impl SceneState {
     pub fn close(&mut self) {
         self.incoming = None;
         self.loading = None;
+        self.rereading = Rereading::default();
     }
 }
 

@@ -3,6 +3,7 @@
 use firstlight::{
     gpu::device,
     render::{Backend, CpuBackend, GpuBackend, Raster, RasterChoice, RenderError},
+    store::Encoding,
 };
 
 pub const RASTERS: [Raster; 7] = Raster::ON_GPU;
@@ -41,8 +42,8 @@ pub fn with_choice_without(choice: RasterChoice, features: wgpu::Features) -> Op
     Some(GpuBackend::on_device(&adapter, device, queue, choice))
 }
 
-/// Every backend, with the name that failures give it: the processor's, each rasterizer, and one with
-/// small pages.
+/// Every backend, with the name that failures give it: the processor's, each rasterizer with packed positions, one with
+/// small pages, and two with wide positions.
 pub fn all() -> Vec<(String, Box<dyn Backend>)> {
     let mut all: Vec<(String, Box<dyn Backend>)> = vec![
         ("cpu, 1 thread".into(), Box::new(CpuBackend::new(Some(1)))),
@@ -59,6 +60,13 @@ pub fn all() -> Vec<(String, Box<dyn Backend>)> {
         backend.store_mut().set_page_points(Some(1000));
         all.push(("early-z, pages of 1,000 points".into(), Box::new(backend)));
     }
+    for raster in [Raster::EarlyZ, Raster::Points] {
+        if let Some(mut backend) = gpu(raster) {
+            backend.set_encoding(Some(Encoding::Wide));
+            backend.store_mut().set_page_points(Some(9000));
+            all.push((format!("{raster}, wide, pages of 9,000 points"), Box::new(backend)));
+        }
+    }
     all
 }
 
@@ -68,8 +76,8 @@ macro_rules! as_the_processor {
         fn sums(&self) -> firstlight::render::Sums {
             self.cpu.sums()
         }
-        fn reset(&mut self, points: u64) {
-            self.cpu.reset(points);
+        fn reset(&mut self, points: u64, packing: Option<firstlight::store::Packing>) {
+            self.cpu.reset(points, packing);
         }
         fn insertions_per_frame(&self) -> usize {
             self.cpu.insertions_per_frame()

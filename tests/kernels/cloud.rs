@@ -6,6 +6,7 @@ use std::ops::Range;
 use firstlight::{
     render::Camera,
     scene::{Bounds, ColorStats, FileFacts, Grid, PointBatch, SceneFacts, intensity_bin},
+    store::Packing,
 };
 
 /// Extent in grid steps.
@@ -86,6 +87,15 @@ impl Cloud {
         self.promise();
     }
 
+    /// Every `nth` point, from the first `from` on, lies where no header promised it, kilometres away on one axis or
+    /// another; the promise stays.
+    pub fn with_outliers(mut self, from: usize, nth: usize) -> Cloud {
+        for (k, position) in self.positions.iter_mut().enumerate().skip(from).step_by(nth) {
+            position[k % 3] = if k % 2 == 0 { i32::MAX - k as i32 } else { i32::MIN + k as i32 };
+        }
+        self
+    }
+
     /// The default camera.
     pub fn camera(&self) -> Camera {
         Camera::fit(&self.facts.bounds, &self.facts.grid, 4.0 / 3.0)
@@ -103,6 +113,11 @@ impl Cloud {
         let (turn, distance) = (step as f64 * 0.7, size * (1.0 - 0.09 * step as f64));
         let eye = [target[0] + distance * turn.sin(), target[1] - distance * turn.cos(), target[2] + 0.4 * distance];
         Camera { eye, ..camera }
+    }
+
+    /// Of what the header promises.
+    pub fn packing(&self) -> Option<Packing> {
+        Packing::of_scene(&self.facts.grid, &self.facts.bounds).ok()
     }
 
     pub fn positions(&self) -> &[[i32; 3]] {

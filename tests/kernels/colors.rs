@@ -16,7 +16,7 @@ use crate::{
 const UNTIMED: usize = 37;
 
 /// The cloud's points with all attributes; each value follows from the record number.
-fn with_attributes(cloud: &Cloud, range: std::ops::Range<usize>) -> PointBatch {
+pub fn with_attributes(cloud: &Cloud, range: std::ops::Range<usize>) -> PointBatch {
     let mut batch = cloud.batch(range.clone());
     *batch.attributes = Attributes {
         returns: range.clone().map(|k| (1 + k % 5 + 16 * (k % 7)) as u8).collect(),
@@ -36,7 +36,7 @@ fn time(k: usize) -> f64 {
     302_745_223.0 + k as f64 * 1e-4
 }
 
-fn cloud(points: usize) -> Cloud {
+pub fn cloud(points: usize) -> Cloud {
     let mut cloud = Cloud::town(points);
     let height = ExtraDimension {
         name: "height".into(),
@@ -72,7 +72,7 @@ fn unlit(mut request: FrameRequest) -> FrameRequest {
 }
 
 /// The colour of a value, by the definition; two at the border between two colours.
-fn expected(coloring: &Coloring, attribute: &Attribute, value: Option<f64>, [low, high]: [f64; 2]) -> Vec<[u8; 3]> {
+pub fn expected(coloring: &Coloring, attribute: &Attribute, value: Option<f64>, [low, high]: [f64; 2]) -> Vec<[u8; 3]> {
     let Some(value) = value else { return vec![NO_DATA] };
     match attribute {
         Attribute::Classification => return vec![coloring.classes.color(value as u8)],

@@ -10,7 +10,7 @@ use firstlight::{
         View,
     },
     scene::{ColorRule, PointBatch},
-    store::Insertion,
+    store::{Insertion, Packing},
 };
 
 use crate::{
@@ -111,7 +111,7 @@ fn draw_all(backend: &mut Summing, cloud: &Cloud, view: View) -> (Vec<[u64; 4]>,
     let count = cloud.len() as u32;
     let request = unlit(high(FrameRequest { view, fill: FillBudget::Fixed(0), shading: Default::default() }));
     let target = backend.backend();
-    target.reset(count.into());
+    target.reset(count.into(), cloud.packing());
     target.insert(&Insertion::new(0, count, 3, 0), &cloud.batch(0..cloud.len())).unwrap();
     let plan = FramePlan {
         view,
@@ -122,6 +122,7 @@ fn draw_all(backend: &mut Summing, cloud: &Cloud, view: View) -> (Vec<[u64; 4]>,
         shading: request.shading,
         colors: Arc::new(vec![FileColor::new(0, ColorRule::Rgb16)].into()),
         averaging: Some(Averaging { begins: true, lists: false, slots: [0..count, 0..0] }),
+        mask: None,
         aside: false,
     };
     target.draw(&plan).unwrap();
@@ -393,8 +394,8 @@ impl Backend for Summing {
             Summing::Gpu(gpu) => gpu.sums(),
         }
     }
-    fn reset(&mut self, points: u64) {
-        self.backend().reset(points);
+    fn reset(&mut self, points: u64, packing: Option<Packing>) {
+        self.backend().reset(points, packing);
     }
     fn insertions_per_frame(&self) -> usize {
         // The same for all, so that all insert the same in each frame.

@@ -231,3 +231,40 @@ fn lighting_bears_any_range_of_depths() {
         }
     }
 }
+
+/// Filled holes are the same on every backend, and leave records and depths alone; and there are some.
+#[test]
+fn holes_are_filled_alike_and_change_colours_only() {
+    let cloud = Cloud::town(9_000);
+    for (points, strength) in [(PointSize::Pixels(1), 0.0), (PointSize::Pixels(2), 0.4)] {
+        let mut reference: Option<Picture> = None;
+        for mut session in Session::all(&cloud, options(4096)) {
+            session.offer(&cloud, 0..cloud.len(), 3000);
+            session.progressive.end_of_input();
+            let mut request = request(&cloud, Projection::Perspective, points, 4, false);
+            request.shading.edl_strength = strength;
+            let open = session.converge(&request, |_| ());
+            request.shading.fill_holes = true;
+            assert!(session.frame(&request).drawn, "a shading of its own");
+            let filled = session.read();
+            assert!(filled.records == open.records && filled.depth == open.depth, "{}", session.name);
+            let changed: Vec<usize> = (0..open.rgba.len()).filter(|&p| open.rgba[p] != filled.rgba[p]).collect();
+            assert!(changed.iter().all(|&p| open.records[p] < 0), "{}: only background is filled", session.name);
+            assert!(changed.len() > 50, "{}: {} pixels", session.name, changed.len());
+            match &reference {
+                None => reference = Some(filled),
+                Some(expected) => {
+                    let info = session.progressive.backend().info();
+                    let is_exact = info.api == "cpu" || info.adapter.starts_with("llvmpipe");
+                    let off = unlike(&filled, expected);
+                    let allowed = if is_exact { 0 } else { expected.records.len() / 50 };
+                    assert!(off <= allowed, "{}: {off} pixels", session.name);
+                    assert!(unlike(&open, expected) > 50, "the comparison can fail");
+                }
+            }
+            request.shading.fill_holes = false;
+            session.frame(&request);
+            assert!(session.read() == open, "{}: switched off, they are open again", session.name);
+        }
+    }
+}

@@ -6,7 +6,10 @@ use std::mem::offset_of;
 use firstlight::{
     gpu::shaders::{self, Shader},
     render::{ColorTablesUniform, ColumnScaleUniform, FileColor, ShadingUniform, View},
-    store::gpu::InsertionUniform,
+    store::{
+        Encoding,
+        gpu::{InsertionUniform, PageUniform},
+    },
 };
 use naga::valid::Capabilities;
 
@@ -16,8 +19,10 @@ use crate::wgsl::{capabilities, validate};
 fn all_modules_are_valid() {
     let failures: Vec<_> = shaders::ALL
         .iter()
-        .filter_map(|shader| {
-            validate(&shader.source(), capabilities(shader.needs)).err().map(|e| format!("{}:\n{e}", shader.name))
+        .flat_map(|shader| [Encoding::Wide, Encoding::Packed].map(|encoding| (shader, encoding)))
+        .filter_map(|(shader, encoding)| {
+            let invalid = validate(&shader.source_in(encoding), capabilities(shader.needs)).err()?;
+            Some(format!("{}, {}:\n{invalid}", shader.name, encoding.name()))
         })
         .collect();
     assert!(failures.is_empty(), "{}", failures.join("\n"));
@@ -66,6 +71,7 @@ fn host_structs_have_the_layout_of_the_shaders() {
         layout_of(&shaders::INSERT, "Insertion"),
         host_layout!(InsertionUniform: old_points, new_points, left_bits, right_bits, keys, fresh_before, staging_capacity, domain, shift)
     );
+    assert_eq!(layout_of(&shaders::MOVE, "Page"), host_layout!(PageUniform: base, first, bits, len));
     assert_eq!(layout_of(&shaders::RESOLVE, "FileColor"), host_layout!(FileColor: first_record, kind, low, high));
     assert_eq!(layout_of(&shaders::RESOLVE, "ColorTables"), host_layout!(ColorTablesUniform: thresholds, ramp));
     assert_eq!(layout_of(&shaders::COLUMN, "ColumnColors"), host_layout!(ColumnScaleUniform: high, low, colors));

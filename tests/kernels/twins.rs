@@ -95,8 +95,8 @@ fn insertion_equals_its_twin() {
         let batches = if page_points == Some(64) { &batches[..11] } else { &batches[..] };
         let total: u32 = batches.iter().sum();
         backend.store_mut().set_page_points(page_points);
-        backend.reset(total.into());
         let cloud = Cloud::town(total as usize);
+        backend.reset(total.into(), cloud.packing());
         let mut expected: Vec<u32> = Vec::new();
         let view = cloud.camera().view(&cloud.facts.grid, [64, 64], 1).unwrap();
         for (index, &new) in batches.iter().enumerate() {
@@ -113,6 +113,7 @@ fn insertion_equals_its_twin() {
                 fill: [0..0, 0..0],
                 shading: Shading::default(),
                 colors: Arc::new(vec![FileColor::new(0, ColorRule::Rgb16)].into()),
+                mask: None,
                 aside: false,
             };
             backend.draw(&plan).unwrap();

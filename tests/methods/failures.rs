@@ -1,6 +1,6 @@
 //! Methods that fail, in the way that they say they do.
 
-use firstlight::methods::{Cloud, Encoding, Gpu, MethodError, NO_POINT, Runner, by_name, twin};
+use firstlight::methods::{Cloud, Encoding, Gpu, MethodError, NO_POINT, Runner, TooWide, by_name, twin};
 
 use crate::{
     clouds,
@@ -183,7 +183,7 @@ fn wrong_input_is_an_error() {
     assert!(matches!(new(&cloud, Encoding::Wide, [0, 4]), MethodError::NoPixels(0, 4)));
     assert!(new(&cloud, Encoding::Wide, [1 << 20, 1 << 20]).to_string().contains("choose a smaller --size"));
     let far = Cloud { positions: vec![[i32::MIN; 3], [i32::MAX; 3]], colors: vec![0; 2] };
-    assert!(matches!(new(&far, Encoding::Packed, [4, 4]), MethodError::TooWide { bits: [32, 32, 32] }));
+    assert!(matches!(new(&far, Encoding::Packed, [4, 4]), MethodError::TooWide(TooWide { bits: [32, 32, 32] })));
     let mut runner = Runner::new(&gpu, &cloud, Encoding::Wide, [4, 4]).unwrap();
     let error = runner.draw(by_name("just-set").unwrap(), &clouds::overview([5, 4])).unwrap_err();
     assert_eq!(error.to_string(), "the view is of [5, 4] pixels, the runner of [4, 4]");

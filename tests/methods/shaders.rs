@@ -5,10 +5,11 @@ use std::mem::offset_of;
 
 use firstlight::{
     methods::{
-        Depth40, Encoding, Launch, METHODS, PageUniform,
+        Depth40, Encoding, Launch, METHODS,
         modules::{self, Kernel},
     },
     render::View,
+    store::gpu::PageUniform,
 };
 use naga::valid::Capabilities;
 
@@ -99,7 +100,7 @@ macro_rules! host_layout {
 #[test]
 fn host_structs_have_the_layout_of_the_shaders() {
     let kernel = &modules::DEPTH40;
-    assert_eq!(layout_of(kernel, "Page"), host_layout!(PageUniform: base, first, len, unused_a, unused_b, unused_c));
+    assert_eq!(layout_of(kernel, "Page"), host_layout!(PageUniform: base, first, bits, len));
     assert_eq!(layout_of(kernel, "Depth40"), host_layout!(Depth40: row_low, unused_a, row_high, unused_b));
     assert_eq!(
         layout_of(kernel, "View"),

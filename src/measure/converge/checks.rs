@@ -89,7 +89,8 @@ pub fn checks(report: &ConvergeReport) -> Vec<Check> {
 
 /// Whether two runs differ at most by their round.
 pub fn same_setting(a: &Run, b: &Run) -> bool {
-    (a.variant, a.fill, a.point_size_px, &a.method) == (b.variant, b.fill, b.point_size_px, &b.method)
+    let setting = |run: &Run| (run.variant, run.fill, run.point_size_px, run.encoding, run.fields);
+    setting(a) == setting(b) && a.method == b.method
 }
 
 fn told<T: Copy>(what: &str, found: Option<T>, holds: impl Fn(T) -> bool, tell: impl Fn(T) -> String) -> Check {
@@ -162,7 +163,9 @@ fn viewers_choice(report: &ConvergeReport) -> Vec<Check> {
     for (when, dot) in kinds {
         let choice = firsts().find(|run| is_viewers_choice(run));
         let Some(chosen) = choice.and_then(|run| median_dot(report, run, dot)) else { continue };
-        let others = || firsts().filter(|run| !is_viewers_choice(run));
+        // Fields that are not decoded make another picture, with another error.
+        let fields = choice.and_then(|run| run.fields);
+        let others = || firsts().filter(|run| !is_viewers_choice(run) && run.fields == fields);
         let beaten = |run: &&Run| {
             median_dot(report, run, dot).is_some_and(|(x, y)| x < NEXT_TO * chosen.0 && y < NEXT_TO * chosen.1)
         };
@@ -190,7 +193,18 @@ mod tests {
 
     fn run(variant: Variant, fill: Fill, point_size_px: u32, frames: Vec<Frame>) -> Run {
         let headline = Headline::of(&frames);
-        Run { variant, fill, point_size_px, method: None, is_viewers_method: true, round: 1, headline, frames }
+        Run {
+            variant,
+            fill,
+            point_size_px,
+            method: None,
+            encoding: None,
+            fields: None,
+            is_viewers_method: true,
+            round: 1,
+            headline,
+            frames,
+        }
     }
 
     /// A frame of which a sample of 100 of 1000 points should cover 0.5 ± 0.01.

@@ -2,10 +2,15 @@
 
 use std::io::{self, Write};
 
-use super::{metrics::Metrics, report::ConvergeReport, settings::Fill};
+use super::{
+    metrics::Metrics,
+    report::ConvergeReport,
+    settings::{Decoded, Fill},
+};
+use crate::store::Encoding;
 
 /// Columns before the metrics. Empty: does not apply.
-const COLUMNS: &str = "variant,fill,point_size_px,method,round,phase,frame,start_secs,frame_secs,points_stored,\
+const COLUMNS: &str = "variant,fill,point_size_px,method,encoding,fields,round,phase,frame,start_secs,frame_secs,points_stored,\
 points_tried,frame_fill,points_drawn,converged,flicker_pixels,flicker_share,expected_sample,expected_of,expected_covered_share,\
 expected_covered_sigma,expected_front_share,expected_front_sigma,expected_right_share";
 
@@ -39,7 +44,9 @@ pub fn write_csv(out: &mut dyn Write, report: &ConvergeReport) -> io::Result<()>
             Fill::Auto => "auto".to_owned(),
             Fill::Points(points) => points.to_string(),
         };
-        let head = format!("{},{fill},{},{method},{}", run.variant.name(), run.point_size_px, run.round);
+        let (encoding, fields) = (run.encoding.map_or("", Encoding::name), run.fields.map_or("", Decoded::name));
+        let (name, size) = (run.variant.name(), run.point_size_px);
+        let head = format!("{name},{fill},{size},{method},{encoding},{fields},{}", run.round);
         for f in &run.frames {
             let mut cells = vec![head.clone(), f.phase.clone(), f.frame.to_string()];
             cells.push(number(f.times.map(|times| times.start_secs)));
@@ -112,6 +119,8 @@ mod tests {
             fill: Fill::Points(2000),
             point_size_px: 2,
             method: None,
+            encoding: Some(Encoding::Packed),
+            fields: None,
             is_viewers_method: true,
             round: 1,
             headline: Headline::of(&frames),
@@ -125,6 +134,7 @@ mod tests {
         assert_eq!(lines.len(), 3);
         assert!(lines.iter().all(|line| line.len() == lines[0].len()), "{text}");
         let cell = |line: usize, column: &str| lines[line][lines[0].iter().position(|c| *c == column).unwrap()];
+        assert_eq!((cell(1, "method"), cell(1, "encoding"), cell(1, "fields")), ("", "packed", ""));
         assert_eq!((cell(1, "fill"), cell(1, "start_secs"), cell(1, "expected_sample")), ("2000", "", ""));
         assert_eq!((cell(2, "start_secs"), cell(2, "expected_right_share")), ("1", "0.75"));
         assert_eq!((cell(1, "file_right_share"), cell(2, "received_ssim")), ("0.5", "1"));

@@ -38,6 +38,7 @@ impl Driver {
         shading: Shading,
     ) -> Result<Driver, ConvergeError> {
         let (mut backend, _, _) = make_backend(measure.backend, setting.method, measure.threads)?;
+        backend.set_encoding(setting.encoding);
         backend.set_relocation(setting.variant != Variant::NoMovedTo);
         let order = setting.variant.slot_order();
         let options = StoreOptions { seed: measure.seed, insertion_points, order, ..Default::default() };

@@ -2,7 +2,7 @@
 
 use std::{path::PathBuf, sync::Arc, time::Duration};
 
-use super::ConvergeError;
+use super::{ConvergeError, settings::Decoded};
 use crate::{
     info::Info,
     measure::{
@@ -26,8 +26,8 @@ pub struct Recording {
 }
 
 /// How files are opened: the order of the points never depends on the disk.
-pub fn options(order: Order, threads: Option<usize>) -> OpenOptions {
-    OpenOptions { order, threads, slow_read: Some(Duration::MAX), ..Default::default() }
+pub fn options(order: Order, decoded: Decoded, threads: Option<usize>) -> OpenOptions {
+    OpenOptions { order, fields: decoded.fields(), threads, slow_read: Some(Duration::MAX), ..Default::default() }
 }
 
 impl Recording {
@@ -35,9 +35,14 @@ impl Recording {
     ///
     /// # Errors
     /// If nothing can be read, or a synthetic scene cannot be made.
-    pub fn new(input: &Input, order: Order, threads: Option<usize>) -> Result<Recording, ConvergeError> {
+    pub fn new(
+        input: &Input,
+        order: Order,
+        decoded: Decoded,
+        threads: Option<usize>,
+    ) -> Result<Recording, ConvergeError> {
         let recording = match input {
-            Input::Files(files) => Recording::of_files(files, order, threads)?,
+            Input::Files(files) => Recording::of_files(files, options(order, decoded, threads))?,
             Input::Synth(options) => {
                 let mut feed = Feed::synth(options, threads)?;
                 let (mut facts, mut batches) = (None, Vec::new());
@@ -58,8 +63,8 @@ impl Recording {
         if recording.points == 0 { Err(ConvergeError::NoPoints) } else { Ok(recording) }
     }
 
-    fn of_files(files: &[PathBuf], order: Order, threads: Option<usize>) -> Result<Recording, ConvergeError> {
-        let stream = source::open(files, options(order, threads));
+    fn of_files(files: &[PathBuf], options: OpenOptions) -> Result<Recording, ConvergeError> {
+        let stream = source::open(files, options);
         let (mut facts, mut batches): (Option<Arc<SceneFacts>>, Vec<PointBatch>) = (None, Vec::new());
         let mut problems = Vec::new();
         loop {
@@ -157,10 +162,10 @@ mod tests {
     #[test]
     fn pieces_are_the_whole() {
         let input = Input::Synth(SynthOptions { points: 200_000, ..SynthOptions::new(Scene::Town) });
-        let by_file = Recording::new(&input, Order::File, Some(2)).unwrap();
+        let by_file = Recording::new(&input, Order::File, Decoded::Colors, Some(2)).unwrap();
         let records = by_file.batches.iter().flat_map(|batch| batch.records.iter().copied());
         assert!(records.eq(0..200_000), "in the order of the file");
-        let other = Recording::new(&input, Order::PreviewFirst, Some(1)).unwrap();
+        let other = Recording::new(&input, Order::PreviewFirst, Decoded::Colors, Some(1)).unwrap();
         let whole: Vec<u32> = other.batches.iter().flat_map(|batch| batch.records.clone()).collect();
         for piece in [70_000, 65_536, 999] {
             let mut feeder = Feeder::new(&other);

@@ -14,6 +14,7 @@ use super::{
     motion::{Director, FRAME, Phase, Seen},
     replay::Logged,
     report::Times,
+    settings::Decoded,
 };
 use crate::{
     measure::{
@@ -82,11 +83,17 @@ pub fn run(
 
 impl<'a> Points<'a> {
     /// Opens the files, or begins with the recording if there are none.
-    pub fn of(input: &Input, recording: &'a Recording, order: Order, threads: Option<usize>) -> Points<'a> {
+    pub fn of(
+        input: &Input,
+        recording: &'a Recording,
+        order: Order,
+        decoded: Decoded,
+        threads: Option<usize>,
+    ) -> Points<'a> {
         let begun = Instant::now();
         match input {
             Input::Files(files) => {
-                Points::Files(Feed::Files(source::open(files, input::options(order, threads))), begun)
+                Points::Files(Feed::Files(source::open(files, input::options(order, decoded, threads))), begun)
             }
             Input::Synth(_) => Points::Memory(Feeder::new(recording), begun),
         }

@@ -31,6 +31,7 @@ use crate::{
     measure::report_dir::ReportDirError,
     render::{CameraError, RenderError},
     source::SourceError,
+    store::TooWide,
     synth::SynthError,
 };
 
@@ -58,7 +59,7 @@ pub use motion::Motion;
 pub use page::{markdown, page};
 pub use report::{ConvergeReport, Frame, Headline, Reached, Run, TITLE, Times};
 pub use run::{MOST_LOAD, Watcher, measure};
-pub use settings::{Clock, Fill, Measure, Setting, VIEWER_POINT_SIZE, Variant};
+pub use settings::{Clock, Decoded, Fill, Measure, Setting, VIEWER_POINT_SIZE, Variant};
 pub use theory::{Counts, Expected};
 
 /// Why a measurement ends early.
@@ -72,6 +73,8 @@ pub enum ConvergeError {
     NoPoints,
     #[error("an automatic fill follows the time that frames take; --clock virtual has none: give --fill N")]
     AutoNeedsTime,
+    #[error(transparent)]
+    TooWide(#[from] TooWide),
     #[error(transparent)]
     Camera(#[from] CameraError),
     #[error(transparent)]

@@ -213,6 +213,8 @@ mod tests {
             fill: Fill::Points(fill),
             point_size_px: 2,
             method: None,
+            encoding: None,
+            fields: None,
             is_viewers_method: true,
             round: 1,
             headline: Headline::of(&frames),

@@ -5,10 +5,10 @@ use serde::Serialize;
 
 use super::{
     metrics::{Change, Metrics},
-    settings::{Clock, Fill, Variant},
+    settings::{Clock, Decoded, Fill, Variant},
     theory::Expected,
 };
-use crate::{measure::machine::Machine, measure::raster::Check, render::Camera};
+use crate::{measure::machine::Machine, measure::raster::Check, render::Camera, store::Encoding};
 
 /// What the JSON says of itself; a folder with such a file may be written over.
 pub const TITLE: &str = "firstlight measure";
@@ -60,7 +60,14 @@ pub struct Run {
     /// Which method, where several are compared.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub method: Option<String>,
-    /// It is the method that the viewer takes by itself, or the only one: the others of a list are not its choice.
+    /// How positions were stored, where several encodings are compared.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub encoding: Option<Encoding>,
+    /// What was decoded, where that is compared.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fields: Option<Decoded>,
+    /// Method, encoding and fields are those that the viewer takes by itself, or the only ones: the others of a list are
+    /// not its choice.
     pub is_viewers_method: bool,
     /// Counted from 1.
     pub round: u32,
@@ -167,13 +174,15 @@ impl Run {
     /// In words, short.
     pub fn label(&self) -> String {
         match self.variant {
-            Variant::Firstlight => format!("{}, {} px{}", self.fill, self.point_size_px, self.method_suffix()),
+            Variant::Firstlight => format!("{}, {} px{}", self.fill, self.point_size_px, self.suffix()),
             other => other.name().into(),
         }
     }
 
-    fn method_suffix(&self) -> String {
-        self.method.as_ref().map_or(String::new(), |method| format!(", {method}"))
+    /// What is compared besides.
+    fn suffix(&self) -> String {
+        let names = [self.method.as_deref(), self.encoding.map(Encoding::name), self.fields.map(Decoded::name)];
+        names.into_iter().flatten().map(|name| format!(", {name}")).collect()
     }
 }
 

@@ -9,13 +9,14 @@ use super::{
     motion::{Director, Phase, phases},
     replay::{Script, replay},
     report::{ConvergeReport, Frame, Headline, Run, TITLE},
-    settings::{Clock, Fill, Measure, Setting, Variant},
+    settings::{Clock, Decoded, Fill, Measure, Setting, Variant},
 };
 use crate::{
     headless::default_camera,
     measure::{machine::Machine, report_dir::ReportDirError},
     render::{Backend, BackendInfo, Camera, FillBudget, INSERTION_POINTS, Picture, RasterChoice, Shading, View},
     source::Order,
+    store::{Encoding, Packing},
 };
 
 use super::motion::Motion;
@@ -55,27 +56,37 @@ pub fn measure(measure: &Measure, watcher: &mut dyn Watcher) -> Result<ConvergeR
         return Err(ConvergeError::AutoNeedsTime);
     }
     watcher.step(0, settings.len() * measure.repeat as usize, "reading the points");
-    let scan = Recording::new(&measure.input, Order::PreviewFirst, measure.threads)?;
-    let needs_file_order = settings.iter().any(|setting| setting.variant == Variant::Unshuffled);
-    let in_file_order =
-        needs_file_order.then(|| Recording::new(&measure.input, Order::File, measure.threads)).transpose()?;
-    let camera = first_camera(measure, &scan);
+    let scans = Scans::new(measure, &settings)?;
+    let Some(scan) = scans.of(first) else { return Err(ConvergeError::NoPoints) };
+    let packing = Packing::of_scene(&scan.facts.grid, &scan.facts.bounds);
+    if settings.iter().any(|setting| setting.encoding == Some(Encoding::Packed)) {
+        packing?;
+    }
+    // As in a viewer, whoever draws: the reports are to be the same on all devices.
+    let viewers_encoding = if packing.is_ok() { Encoding::default() } else { Encoding::Wide };
+    let viewers_fields = if measure.decoded.len() > 1 { Decoded::Colors } else { first.decoded };
+    let camera = first_camera(measure, scan);
     let auto = Setting { method: RasterChoice::Auto, ..*first };
     let asks_auto = settings.iter().any(|setting| setting.method == RasterChoice::Auto);
-    let info = who_draws(measure, if asks_auto { &auto } else { first }, &scan, &camera)?;
+    let info = who_draws(measure, if asks_auto { &auto } else { first }, scan, &camera)?;
     // What was measured to be faster once is not measured again, or runs could differ; on the processor there is
     // nothing to choose.
     let chosen = info.choice.as_ref().map_or(RasterChoice::Auto, |choice| RasterChoice::Fixed(choice.candidate));
-    let settle = |setting: &Setting| match setting.method {
-        RasterChoice::Auto => Setting { method: chosen, ..*setting },
-        RasterChoice::Fixed(_) => *setting,
+    let settle = |setting: &Setting| {
+        let method = if setting.method == RasterChoice::Auto { chosen } else { setting.method };
+        let encoding = Some(setting.encoding.unwrap_or(viewers_encoding));
+        Setting { method, encoding, ..*setting }
     };
     let viewers_method = match (asks_auto, &measure.methods[..]) {
         (true, _) => Some(chosen),
         (false, [only]) => Some(*only),
         (false, _) => None,
     };
-    // A method that is both named and chosen is run once.
+    let is_viewers = |setting: &Setting| {
+        let is_encoding = measure.encodings.len() < 2 || setting.encoding == Some(viewers_encoding);
+        viewers_method == Some(setting.method) && is_encoding && setting.decoded == viewers_fields
+    };
+    // A method or an encoding that is both named and chosen is run once.
     let mut settled: Vec<Setting> = Vec::new();
     for setting in settings.iter().map(settle) {
         if !settled.contains(&setting) {
@@ -92,7 +103,7 @@ pub fn measure(measure: &Measure, watcher: &mut dyn Watcher) -> Result<ConvergeR
             }
         }
     }
-    let mut report = empty(measure, &scan, &info, camera, &phases);
+    let mut report = empty(measure, scan, &info, camera, &phases);
     let total = settings.len() * measure.repeat as usize;
     for round in 1..=measure.repeat {
         // Every second round backwards: nobody always follows the same neighbour.
@@ -108,15 +119,14 @@ pub fn measure(measure: &Measure, watcher: &mut dyn Watcher) -> Result<ConvergeR
                     RasterChoice::Fixed(candidate) if measure.methods.len() > 1 => Some(candidate.to_string()),
                     _ => None,
                 },
-                is_viewers_method: viewers_method == Some(setting.method),
+                encoding: setting.encoding.filter(|_| measure.encodings.len() > 1),
+                fields: (measure.decoded.len() > 1).then_some(setting.decoded),
+                is_viewers_method: is_viewers(setting),
                 round,
                 headline: Headline::default(),
                 frames: Vec::new(),
             };
-            let recording = match &in_file_order {
-                Some(recording) if setting.variant == Variant::Unshuffled => recording,
-                _ => &scan,
-            };
+            let Some(recording) = scans.of(setting) else { return Err(ConvergeError::NoPoints) };
             let name = match setting.variant {
                 Variant::Firstlight => format!("firstlight, {}", run.label()),
                 other => other.name().into(),
@@ -136,6 +146,36 @@ pub fn measure(measure: &Measure, watcher: &mut dyn Watcher) -> Result<ConvergeR
     }
     watcher.step(total, total, "done");
     Ok(report)
+}
+
+/// In which order a setting reads its points.
+fn order_of(setting: &Setting) -> Order {
+    if setting.variant == Variant::Unshuffled { Order::File } else { Order::PreviewFirst }
+}
+
+/// What all settings begin from: the points in the orders that they need, with and without colours.
+struct Scans(Vec<((Order, bool), Recording)>);
+
+impl Scans {
+    fn new(measure: &Measure, settings: &[Setting]) -> Result<Scans, ConvergeError> {
+        let mut scans = Scans(Vec::new());
+        for setting in settings {
+            if scans.of(setting).is_none() {
+                let scan = Recording::new(&measure.input, order_of(setting), setting.decoded, measure.threads)?;
+                scans.0.push((Scans::key(setting), scan));
+            }
+        }
+        Ok(scans)
+    }
+
+    /// What else was decoded makes no difference to a picture.
+    fn key(setting: &Setting) -> (Order, bool) {
+        (order_of(setting), setting.decoded != Decoded::Positions)
+    }
+
+    fn of(&self, setting: &Setting) -> Option<&Recording> {
+        self.0.iter().find(|(key, _)| *key == Scans::key(setting)).map(|(_, scan)| scan)
+    }
 }
 
 /// One setting: what it does first, then the same with comparisons.
@@ -162,8 +202,8 @@ fn one_run(
         }
         (Clock::Real, fill) => {
             let mut driver = Driver::new(measure, setting, recording, INSERTION_POINTS, Shading::default())?;
-            let order = if setting.variant == Variant::Unshuffled { Order::File } else { Order::PreviewFirst };
-            let points = live::Points::of(&measure.input, recording, order, measure.threads);
+            let (order, decoded) = (order_of(setting), setting.decoded);
+            let points = live::Points::of(&measure.input, recording, order, decoded, measure.threads);
             let log = live::run(&mut driver, points, phases, measure.frames, fill.budget())?;
             (driver.truth(&start)?, Script::Log(log.into()), INSERTION_POINTS)
         }

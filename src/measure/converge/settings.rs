@@ -10,7 +10,8 @@ use crate::{
     headless::BackendChoice,
     measure::raster::Input,
     render::{Camera, FillBudget, RasterChoice, Reprojection},
-    store::SlotOrder,
+    source::Fields,
+    store::{Encoding, SlotOrder},
 };
 
 /// A way to get from points to pictures: this program's, and what it is judged against.
@@ -101,6 +102,37 @@ impl fmt::Display for Fill {
     }
 }
 
+/// What is decoded of each point while loading. Layered LAZ (formats 6 and up) spares the layers of the rest.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Decoded {
+    /// Nothing else: pictures are coloured by elevation
+    Positions,
+    /// What a viewer needs for its colours: RGB and intensity
+    Colors,
+    /// All fields
+    All,
+}
+
+impl Decoded {
+    pub(super) fn fields(self) -> Option<Fields> {
+        match self {
+            Decoded::Positions => Some(Fields::NONE),
+            Decoded::Colors => None,
+            Decoded::All => Some(Fields::ALL),
+        }
+    }
+
+    /// As the command line calls it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Decoded::Positions => "positions",
+            Decoded::Colors => "colors",
+            Decoded::All => "all",
+        }
+    }
+}
+
 /// What makes one run differ from another.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Setting {
@@ -109,6 +141,9 @@ pub struct Setting {
     /// Width of a point, pixels.
     pub point_size: u32,
     pub method: RasterChoice,
+    /// How positions are stored; `None`: as a viewer does.
+    pub encoding: Option<Encoding>,
+    pub decoded: Decoded,
 }
 
 /// Width of a point in the viewer, unless the user says otherwise; pixels.
@@ -135,6 +170,8 @@ pub struct Measure {
     pub motions: Vec<Motion>,
     pub backend: BackendChoice,
     pub methods: Vec<RasterChoice>,
+    pub encodings: Vec<Option<Encoding>>,
+    pub decoded: Vec<Decoded>,
     pub fills: Vec<Fill>,
     pub point_sizes: Vec<u32>,
     /// Compared at the first of each of the lists above.
@@ -157,9 +194,13 @@ impl Measure {
     /// One run each, this program's settings first, then the baselines.
     pub fn settings(&self) -> Vec<Setting> {
         let mut settings = Vec::new();
-        for &method in &self.methods {
+        let ways = (self.methods.iter())
+            .flat_map(|&method| self.encodings.iter().map(move |&encoding| (method, encoding)))
+            .flat_map(|way| self.decoded.iter().map(move |&decoded| (way, decoded)));
+        for ((method, encoding), decoded) in ways {
             for &point_size in &self.point_sizes {
-                let of = |&fill| Setting { variant: Variant::Firstlight, fill, point_size, method };
+                let variant = Variant::Firstlight;
+                let of = |&fill| Setting { variant, fill, point_size, method, encoding, decoded };
                 settings.extend(self.fills.iter().map(of));
             }
         }
@@ -184,6 +225,8 @@ mod tests {
             motions: vec![],
             backend: BackendChoice::Cpu,
             methods: vec![RasterChoice::Auto],
+            encodings: vec![None, Some(Encoding::Wide)],
+            decoded: vec![Decoded::Colors, Decoded::Positions],
             fills: vec![Fill::Points(1000), Fill::Auto],
             point_sizes: vec![2, 1],
             baselines: vec![Variant::Firstlight, Variant::Unshuffled],
@@ -196,16 +239,21 @@ mod tests {
             command: String::new(),
         };
         let settings = measure.settings();
-        assert_eq!(settings.len(), 5);
-        let last = settings[4];
+        assert_eq!(settings.len(), 17);
+        let last = settings[16];
+        assert_eq!((last.encoding, last.decoded), (None, Decoded::Colors));
+        assert!((1..17).all(|n| !settings[..n].contains(&settings[n])));
         assert_eq!((last.variant, last.fill, last.point_size), (Variant::Unshuffled, Fill::Points(1000), 2));
-        assert!(settings[..4].iter().all(|setting| setting.variant == Variant::Firstlight));
+        assert!(settings[..16].iter().all(|setting| setting.variant == Variant::Firstlight));
     }
 
     #[test]
     fn names_are_those_of_the_command_line() {
         for variant in Variant::value_variants() {
             assert_eq!(variant.to_possible_value().unwrap().get_name(), variant.name());
+        }
+        for decoded in Decoded::value_variants() {
+            assert_eq!(decoded.to_possible_value().unwrap().get_name(), decoded.name());
         }
         let names = [Fill::Auto, Fill::Points(1500), Fill::Points(250_000), Fill::Points(2_000_000)];
         assert_eq!(names.map(|fill| fill.to_string()), ["auto", "1500", "250k", "2M"]);

@@ -19,7 +19,7 @@ use crate::{
     },
     scene::{PointBatch, SceneFacts},
     source::{self, Event, SourceError},
-    store::Insertion,
+    store::{Encoding, Insertion, Packing},
 };
 
 /// Where and what to draw.
@@ -313,8 +313,11 @@ impl Backend for Timed {
     fn sums(&self) -> Sums {
         self.inner.sums()
     }
-    fn reset(&mut self, points: u64) {
-        self.inner.reset(points);
+    fn set_encoding(&mut self, encoding: Option<Encoding>) {
+        self.inner.set_encoding(encoding);
+    }
+    fn reset(&mut self, points: u64, packing: Option<Packing>) {
+        self.inner.reset(points, packing);
     }
     fn insertions_per_frame(&self) -> usize {
         self.inner.insertions_per_frame()

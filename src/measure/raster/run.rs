@@ -17,7 +17,7 @@ use super::{
 };
 use crate::{
     measure::{machine::Machine, report_dir::ReportDirError},
-    methods::{self, Arranged, Cloud, Copies, Encoding, Gpu, Method, Packing, Runner},
+    methods::{self, Arranged, Cloud, Copies, Encoding, Gpu, Method, MethodError, Packing, Runner},
     render::{Camera, View},
 };
 
@@ -168,7 +168,7 @@ fn encodings(settings: &BenchRaster, scan: &Scan, report: &mut RasterReport) -> 
     }
     if fitting.is_empty() {
         // Packed alone: then the reason is an error.
-        Packing::of(Arranged::from(&scan.cloud).extent())?;
+        Packing::of(Arranged::from(&scan.cloud).extent()).map_err(MethodError::from)?;
         fitting.push(Encoding::Wide);
     }
     report.encodings = fitting.clone();

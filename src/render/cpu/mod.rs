@@ -5,6 +5,7 @@
 mod average;
 mod columns;
 mod index;
+mod mask;
 mod raster;
 mod resolve;
 mod store;
@@ -12,11 +13,16 @@ mod threads;
 
 use std::{ops::Range, sync::atomic::AtomicU64, thread::available_parallelism, time::Instant};
 
-use self::{average::PixelSums, columns::Columns, resolve::Resolved, store::PointStore, threads::map_parts};
+use self::{
+    average::PixelSums, columns::Columns, mask::Mask, resolve::Resolved, store::PointStore, threads::map_parts,
+};
 use super::{
     Averaging, Backend, BackendInfo, ColumnId, FramePlan, Keys, PassTimes, Picture, Raster, RenderError, Sums, View,
 };
-use crate::{scene::PointBatch, store::Insertion};
+use crate::{
+    scene::PointBatch,
+    store::{Encoding, Insertion, Packing},
+};
 
 /// The word of a pixel that no point covers.
 const BACKGROUND: u64 = u64::MAX;
@@ -33,6 +39,7 @@ pub struct CpuBackend {
     info: BackendInfo,
     threads: usize,
     store: PointStore,
+    mask: Mask,
     /// Slots that the last frame shows, each once.
     visible: Vec<u32>,
     /// Slots of the points inserted since the last frame.
@@ -59,9 +66,17 @@ impl CpuBackend {
         let threads = threads.unwrap_or_else(|| available_parallelism().map_or(1, usize::from)).max(1);
         let adapter = format!("CPU, {threads} {}", if threads == 1 { "thread" } else { "threads" });
         CpuBackend {
-            info: BackendInfo { adapter, api: "cpu".into(), driver: String::new(), method: Raster::Cpu, choice: None },
+            info: BackendInfo {
+                adapter,
+                api: "cpu".into(),
+                driver: String::new(),
+                method: Raster::Cpu,
+                encoding: Encoding::Wide,
+                choice: None,
+            },
             threads,
             store: PointStore::default(),
+            mask: Mask::default(),
             visible: Vec::new(),
             fresh: Vec::new(),
             relocation: true,
@@ -83,6 +98,12 @@ impl CpuBackend {
         self.sums.iter().map(average::unpacked).collect()
     }
 
+    /// Which slots a filter hides, in order; empty without a filter. For tests.
+    pub fn read_hidden(&self) -> Vec<bool> {
+        let slots = if self.mask.is_off() { 0 } else { self.store.records.len() as u32 };
+        (0..slots).map(|slot| !self.mask.shows(slot)).collect()
+    }
+
     /// Makes room for the sums of all pixels, and empties them if they begin anew.
     fn prepare_sums(&mut self, begins: bool) -> Result<(), RenderError> {
         if self.sums.len() != self.words.len() {
@@ -100,6 +121,9 @@ impl CpuBackend {
 
     /// Adds a point to the sums.
     fn add_slot(&self, plan: &FramePlan, slot: u32) {
+        if !self.mask.shows(slot) {
+            return;
+        }
         let position = self.store.positions[slot as usize];
         let color = || resolve::point_color(&plan.colors, &self.store, slot);
         average::add_point(&self.sums, &self.words, &plan.view, slot, position, color);
@@ -135,7 +159,7 @@ impl CpuBackend {
     /// Draws the points in these slots.
     fn draw_slots(&self, plan: &FramePlan, slots: &[u32]) {
         map_parts(self.threads, slots.len(), POINTS_PER_THREAD, |part| {
-            for &slot in &slots[part] {
+            for &slot in slots[part].iter().filter(|&&slot| self.mask.shows(slot)) {
                 raster::draw_point(&self.words, &plan.view, slot, self.store.positions[slot as usize]);
             }
         });
@@ -145,8 +169,11 @@ impl CpuBackend {
     fn draw_span(&self, plan: &FramePlan, span: Range<u32>) {
         let positions = &self.store.positions[span.start as usize..span.end as usize];
         map_parts(self.threads, positions.len(), POINTS_PER_THREAD, |part| {
-            for (slot, &position) in (span.start + part.start as u32..).zip(&positions[part]) {
-                raster::draw_point(&self.words, &plan.view, slot, position);
+            let points = (span.start + part.start as u32..).zip(&positions[part]);
+            let draw = |(slot, &position)| raster::draw_point(&self.words, &plan.view, slot, position);
+            match self.mask.is_off() {
+                true => points.for_each(draw),
+                false => points.filter(|&(slot, _)| self.mask.shows(slot)).for_each(draw),
             }
         });
     }
@@ -172,9 +199,10 @@ impl Backend for CpuBackend {
         Sums::Hqs
     }
 
-    fn reset(&mut self, _points: u64) {
+    fn reset(&mut self, _points: u64, _packing: Option<Packing>) {
         // No memory is set aside for the points announced: a header may promise any number of them.
         self.store = PointStore::default();
+        self.mask = Mask::default();
         self.columns = Columns::default();
         self.visible = Vec::new();
         self.fresh = Vec::new();
@@ -246,6 +274,13 @@ impl Backend for CpuBackend {
         };
 
         self.resize([plan.view.width, plan.view.height])?;
+        self.mask.update(plan.mask.as_ref(), &self.store, &self.columns, &self.fresh, self.threads).map_err(
+            |error| {
+                let (points, detail) = (self.store.records.len() as u64, error.to_string());
+                RenderError::NoMemoryForFilter { points, detail }
+            },
+        )?;
+        times.insert += lap();
         if !plan.keeps_depths {
             self.clear();
             if plan.reproject {
@@ -289,6 +324,10 @@ impl Backend for CpuBackend {
 
     fn pass_times(&mut self) -> Option<PassTimes> {
         self.times.take()
+    }
+
+    fn points_shown(&mut self) -> Option<u64> {
+        self.mask.points_shown()
     }
 
     fn wait(&mut self) -> Result<(), RenderError> {

@@ -15,10 +15,10 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 pub use self::{
     clip::{Clip, ClipBox, ClipError, Slab},
-    rules::{Key, MaskRules, RULE_WORDS, Test},
+    rules::{Key, MaskRules, Place, Test},
     values::{Values, ValuesError},
 };
-use crate::scene::{Attribute, UnknownAttribute};
+use crate::scene::{Attribute, FileFacts, SceneFacts, UnknownAttribute};
 
 /// Clauses over attributes: a point is shown if all hold. A point of which an attribute is not known, since its file
 /// lacks it, marks it as no data, or was not read that far, is hidden by any clause over it.
@@ -37,6 +37,25 @@ impl Filter {
     /// The first clause over an attribute.
     pub fn of(&self, attribute: &Attribute) -> Option<&Clause> {
         self.clauses.iter().find(|clause| clause.attribute == *attribute)
+    }
+
+    /// What hides all points of a file, one line each: the file does not have what a clause asks for.
+    pub fn absences(&self, scene: &SceneFacts) -> Vec<String> {
+        let lacks = |file: &FileFacts| {
+            let clause = self.clauses.iter().find(|clause| !clause.attribute.is_in(file))?;
+            let extra = file.record.extra_dimensions.iter().map(|d| Attribute::Extra(d.name.clone()));
+            let all = Attribute::NAMED.into_iter().map(|(_, attribute)| attribute).chain(extra);
+            let has: Vec<String> = all.filter(|a| a.is_in(file)).map(|a| a.to_string()).collect();
+            let (path, has) = (file.path.display(), has.join(", "));
+            Some(format!("{path} has no {}: --filter {clause} hides all its points; it has {has}", clause.attribute))
+        };
+        let mut lines: Vec<String> = scene.files.iter().filter_map(lacks).collect();
+        let is_file = |clause: &&Clause| clause.attribute == Attribute::File;
+        let files = || (0..scene.files.len()).map(|file| file as f64);
+        for clause in self.clauses.iter().filter(is_file).filter(|clause| !files().any(|file| clause.holds(file))) {
+            lines.push(format!("--filter {clause} hides all: the files are 0 to {}", scene.files.len().max(1) - 1));
+        }
+        lines
     }
 
     /// Puts a clause in the place of those over the same attribute; `None` takes them away.
@@ -182,6 +201,23 @@ mod tests {
             let message = typed.parse::<Clause>().unwrap_err().to_string();
             assert!(message.contains(hint) && !message.contains('\n'), "{typed}: {message}");
         }
+    }
+
+    #[test]
+    fn what_no_point_can_pass_is_told() {
+        let file = FileFacts { path: "a.las".into(), ..Default::default() };
+        let scene = SceneFacts {
+            grid: crate::scene::Grid { scale: [1.0; 3], origin: [0.0; 3] },
+            bounds: Default::default(),
+            files: vec![file.clone(), file],
+            warnings: Vec::new(),
+        };
+        let told = |clause: &str| Filter { clauses: vec![clause.parse().unwrap()] }.absences(&scene);
+        assert_eq!(told("gps-time=1..2").len(), 2);
+        assert!(told("gps-time=1..2")[0].starts_with("a.las has no gps-time: --filter gps-time=1..2 hides all its"));
+        assert!(told("extra:height=1")[0].contains("it has intensity, elevation"));
+        assert_eq!(told("file=2"), ["--filter file=2 hides all: the files are 0 to 1"]);
+        assert!(told("file=1").is_empty() && told("class=9").is_empty());
     }
 
     #[test]

@@ -21,6 +21,8 @@ use crate::{
 /// The averaging passes. Made when first asked for.
 pub struct Average {
     pub sums: Sums,
+    /// Adds only what a filter shows.
+    pub masked: bool,
     from_list: wgpu::ComputePipeline,
     from_span: wgpu::ComputePipeline,
     color: wgpu::ComputePipeline,
@@ -62,6 +64,7 @@ impl Average {
     pub fn new(
         device: &wgpu::Device,
         sums: Sums,
+        masked: bool,
         pages: &Pages,
         tables: &ColorTables,
         layout_colors: &wgpu::BindGroupLayout,
@@ -71,16 +74,18 @@ impl Average {
             Sums::Hqs1r => (shaders::AVERAGE_64, shaders::RESOLVE_64),
             Sums::Hqs => (shaders::AVERAGE_32, shaders::RESOLVE_32),
         };
-        let (average, resolve) = (average.module(device), resolve.module(device));
+        let encoding = pages.encoding();
+        let (average, resolve) = (average.module_in(device, encoding), resolve.module_in(device, encoding));
         let layout = kernel::layout(device, "sums", wgpu::ShaderStages::COMPUTE, &[Uniform, Read, ReadWrite, Uniform]);
         let binder = SourceBinder::new(device);
         let adding = |entry| {
-            let groups = [&layout, &pages.layout_resolve, &binder.layout, &tables.layout];
-            kernel::compute(device, &average, entry, &groups)
+            let groups = [&layout, &pages.layout_average, &binder.layout, &tables.layout];
+            kernel::compute_with(device, &average, entry, &groups, &[("HAS_MASK", f64::from(u8::from(masked)))])
         };
         let groups = [&layout, &pages.layout_resolve, layout_colors, &tables.layout];
         Average {
             sums,
+            masked,
             from_list: adding("from_list"),
             from_span: adding("from_span"),
             color: kernel::compute(device, &resolve, "color_average", &groups),
@@ -146,7 +151,7 @@ impl Average {
             pass.set_bind_group(0, &bind, &[]);
             pass.set_bind_group(3, &tables.bind, &[]);
             for page in store.pages.iter() {
-                pass.set_bind_group(1, &page.bind_resolve, &[]);
+                pass.set_bind_group(1, &page.bind_average, &[]);
                 if source == Source::Reproject {
                     pass.set_bind_group(2, &sources.bind_visible, &[0]);
                     pass.dispatch_workgroups_indirect(&store.lists.visible_arguments, DISPATCH_ARGUMENTS);
@@ -161,7 +166,7 @@ impl Average {
         pass.set_bind_group(0, &bind, &[]);
         pass.set_bind_group(3, &tables.bind, &[]);
         for (piece, offset) in sources.pieces.iter().zip((0..).step_by(kernel::SPAN_STRIDE as usize)) {
-            pass.set_bind_group(1, &store.pages.at(piece.page).bind_resolve, &[]);
+            pass.set_bind_group(1, &store.pages.at(piece.page).bind_average, &[]);
             pass.set_bind_group(2, &sources.bind_fresh, &[offset]);
             kernel::dispatch(&mut pass, piece.slots.end - piece.slots.start);
         }

@@ -59,7 +59,10 @@ pub struct Columns {
     staged: Vec<Staged>,
     layout_staged: wgpu::BindGroupLayout,
     layout_write: wgpu::BindGroupLayout,
-    layout_read: wgpu::BindGroupLayout,
+    /// A page, to be read: its uniform and its keys.
+    pub layout_read: wgpu::BindGroupLayout,
+    /// Eight bytes for pages without keys.
+    no_keys: wgpu::Buffer,
     fill_small: wgpu::ComputePipeline,
     fill_wide: wgpu::ComputePipeline,
     by_table: wgpu::ComputePipeline,
@@ -114,6 +117,7 @@ impl Columns {
             layout_staged,
             layout_write,
             layout_read,
+            no_keys: kernel::buffer(device, "no keys", 8, BufferUsages::STORAGE),
             device: device.clone(),
             queue: queue.clone(),
         }
@@ -206,6 +210,32 @@ impl Columns {
             }
         }
         Ok(())
+    }
+
+    /// All records of the scene in pages: those of a column that there are, to be read, and between and behind them
+    /// pages without keys, where every key reads as 0.
+    pub fn whole(&self, column: ColumnId) -> Vec<wgpu::BindGroup> {
+        let no_pages = Vec::new();
+        let pages = self.columns.get(column).and_then(Option::as_ref).map_or(&no_pages, |column| &column.pages);
+        let mut binds = Vec::new();
+        let mut next = 0;
+        for (index, page) in pages.iter().enumerate() {
+            let Some(page) = page else { continue };
+            let first = index as u32 * self.page_records;
+            if next < first {
+                binds.push(self.without_keys(next, first - next));
+            }
+            binds.push(page.bind_read.clone());
+            next = first.saturating_add(self.page_records);
+        }
+        binds.push(self.without_keys(next, u32::MAX - next));
+        binds
+    }
+
+    fn without_keys(&self, first: u32, len: u32) -> wgpu::BindGroup {
+        let uniform = kernel::uniform(&self.device, "no keys", 16);
+        self.queue.write_buffer(&uniform, 0, bytemuck::cast_slice(&[first, len, 0, 0]));
+        kernel::bind_buffers(&self.device, "no keys", &self.layout_read, &[&uniform, &self.no_keys])
     }
 
     fn staging(&self) -> Result<Staging, String> {

@@ -15,7 +15,10 @@ use crate::{
         timing::FrameTimer,
     },
     render::{Candidate, Raster},
-    store::gpu::{DISPATCH_ARGUMENTS, GpuStore},
+    store::{
+        Encoding,
+        gpu::{DISPATCH_ARGUMENTS, GpuStore},
+    },
 };
 
 /// Points that a thread of `from_span` draws, as in `shaders/span.wgsl`.
@@ -48,8 +51,15 @@ fn of_lists(module: &'static Shader) -> &'static Shader {
     }
 }
 
-/// A module's name and, of spans, the group size.
-type Key = (&'static str, Option<u32>);
+/// How kernels read points: in which encoding, and whether a filter's bits are looked at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Reading {
+    pub encoding: Encoding,
+    pub masked: bool,
+}
+
+/// A module's name; of spans, the group size; how it reads points.
+type Key = (&'static str, Option<u32>, Reading);
 
 /// Pipelines, each made once: when it is first needed, or before on a thread of their own.
 pub struct Kernels {
@@ -80,15 +90,16 @@ impl Kernels {
 
     /// Starts to make what these candidates need, in this order. A GPU's driver takes some 100 ms for each kernel
     /// (H200), which no frame should wait for.
-    pub fn make_aside(&mut self, device: &wgpu::Device, candidates: Vec<Candidate>) {
+    pub fn make_aside(&mut self, device: &wgpu::Device, candidates: Vec<Candidate>, reading: Reading) {
         self.stop_making();
         let (sender, receiver) = mpsc::channel();
         let mut own = Kernels { layouts: self.layouts.clone(), made: self.made.clone(), arriving: None, maker: None };
         let device = device.clone();
         let make = move || {
             for (shader, span_group) in candidates.into_iter().flat_map(needs) {
-                let key = (shader.name, span_group);
-                if !own.made.contains_key(&key) && sender.send((key, own.make(&device, shader, span_group))).is_err() {
+                let key = (shader.name, span_group, reading);
+                let is_made = own.made.contains_key(&key);
+                if !is_made && sender.send((key, own.make(&device, shader, span_group, reading))).is_err() {
                     return;
                 }
             }
@@ -112,9 +123,10 @@ impl Kernels {
     }
 
     /// Whether a candidate's pipelines are there, or will never come from elsewhere.
-    pub fn is_ready(&mut self, candidate: Candidate) -> bool {
+    pub fn is_ready(&mut self, candidate: Candidate, reading: Reading) -> bool {
         loop {
-            let is_made = |(shader, group): (&'static Shader, _)| self.made.contains_key(&(shader.name, group));
+            let is_made =
+                |(shader, group): (&'static Shader, _)| self.made.contains_key(&(shader.name, group, reading));
             if needs(candidate).all(is_made) {
                 return true;
             }
@@ -135,20 +147,25 @@ impl Kernels {
         device: &wgpu::Device,
         shader: &'static Shader,
         span_group: Option<u32>,
+        reading: Reading,
     ) -> wgpu::ComputePipeline {
+        if let Some(arriving) = &self.arriving {
+            self.made.extend(arriving.try_iter());
+        }
         let make = || {
             let [plain, early, positions, slots] = &self.layouts;
             let groups = [if is_early(shader) { early } else { plain }, positions, slots];
-            let module = shader.module(device);
+            let module = shader.module_in(device, reading.encoding);
+            let has_mask = ("HAS_MASK", f64::from(u8::from(reading.masked)));
             match span_group {
-                None => kernel::compute(device, &module, "from_list", &groups),
+                None => kernel::compute_with(device, &module, "from_list", &groups, &[has_mask]),
                 Some(group) => {
-                    let constants = [("SPAN_GROUP", f64::from(group))];
+                    let constants = [("SPAN_GROUP", f64::from(group)), has_mask];
                     kernel::compute_with(device, &module, "from_span", &groups, &constants)
                 }
             }
         };
-        self.made.entry((shader.name, span_group)).or_insert_with(make).clone()
+        self.made.entry((shader.name, span_group, reading)).or_insert_with(make).clone()
     }
 }
 
@@ -177,11 +194,11 @@ pub struct ComputeRaster {
 
 impl ComputeRaster {
     /// The device must have what the method's modules need.
-    pub fn new(device: &wgpu::Device, candidate: Candidate, kernels: &mut Kernels) -> ComputeRaster {
+    pub fn new(device: &wgpu::Device, candidate: Candidate, kernels: &mut Kernels, reading: Reading) -> ComputeRaster {
         let group_size = group_size(candidate);
         let plot = |shader: &&'static Shader| Plot {
-            from_list: kernels.make(device, of_lists(shader), None),
-            from_span: kernels.make(device, shader, Some(group_size)),
+            from_list: kernels.make(device, of_lists(shader), None, reading),
+            from_span: kernels.make(device, shader, Some(group_size), reading),
         };
         let modules = modules(candidate.method);
         let is_early = modules.iter().any(|module| is_early(module));

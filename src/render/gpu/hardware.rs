@@ -2,7 +2,10 @@
 //! Equal to the compute rasterizer in every pixel, see `shaders/hardware.wgsl`; here to be measured
 //! against, and for devices whose atomics are slow.
 
-use super::sources::{Source, Sources};
+use super::{
+    compute::Reading,
+    sources::{Source, Sources},
+};
 use crate::{
     gpu::{
         kernel::{self, Binding},
@@ -19,6 +22,7 @@ const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 pub struct HardwareRaster {
     depth: wgpu::RenderPipeline,
     claim: wgpu::RenderPipeline,
+    pub reading: Reading,
     layout_words: wgpu::BindGroupLayout,
     layout_depths: wgpu::BindGroupLayout,
     target: Option<Target>,
@@ -45,10 +49,11 @@ impl HardwareRaster {
         needed.iter().find(|(flag, _)| !flags.contains(*flag)).map(|&(_, name)| name)
     }
 
-    pub fn new(device: &wgpu::Device, layout_positions: &wgpu::BindGroupLayout) -> HardwareRaster {
+    pub fn new(device: &wgpu::Device, layout_positions: &wgpu::BindGroupLayout, reading: Reading) -> HardwareRaster {
         let layout_words = words_layout(device);
         let layout_depths = kernel::layout(device, "depths", wgpu::ShaderStages::FRAGMENT, &[Binding::DepthTexture]);
-        let module = shaders::HARDWARE.module(device);
+        let module = shaders::HARDWARE.module_in(device, reading.encoding);
+        let constants = [("HAS_MASK", f64::from(u8::from(reading.masked)))];
         let pipeline = |label, claims: bool| {
             let groups: &[&wgpu::BindGroupLayout] = if claims {
                 &[&layout_words, layout_positions, &layout_depths]
@@ -61,7 +66,10 @@ impl HardwareRaster {
                 vertex: wgpu::VertexState {
                     module: &module,
                     entry_point: Some("place"),
-                    compilation_options: Default::default(),
+                    compilation_options: wgpu::PipelineCompilationOptions {
+                        constants: &constants,
+                        ..Default::default()
+                    },
                     buffers: &[],
                 },
                 primitive: wgpu::PrimitiveState { topology: wgpu::PrimitiveTopology::PointList, ..Default::default() },
@@ -90,6 +98,7 @@ impl HardwareRaster {
         HardwareRaster {
             depth: pipeline("depth", false),
             claim: pipeline("claim", true),
+            reading,
             layout_words,
             layout_depths,
             target: None,

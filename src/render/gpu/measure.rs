@@ -14,12 +14,12 @@ use std::{
 use super::{
     GpuBackend, HardwareRaster, Rasterizer,
     choose::left_out,
-    compute::{ComputeRaster, Kernels, modules},
+    compute::{ComputeRaster, Kernels, Reading, modules},
     probe::{MIN_POINTS, Probe, Scene},
 };
 use crate::{
     render::{Candidate, Choice, Clock, Measured, Measurement, Raster, RasterChoice, RenderError, View, Why, best},
-    store::gpu::GpuStore,
+    store::{Encoding, gpu::GpuStore},
 };
 
 /// How long the size of the picture must stay before it is measured for: not while a window is dragged.
@@ -50,10 +50,13 @@ pub struct Chooser {
     is_auto: bool,
     device_type: wgpu::DeviceType,
     kernels: Kernels,
-    hardware: Option<HardwareRaster>,
+    /// Without and with a filter.
+    hardware: [Option<HardwareRaster>; 2],
     hardware_maker: Option<thread::JoinHandle<HardwareRaster>>,
     /// What the device can run.
     able: Vec<Candidate>,
+    /// How rasterizers read positions.
+    pub encoding: Encoding,
     /// What it cannot, with the reason.
     unable: Vec<Measured>,
     ready: Instant,
@@ -105,9 +108,11 @@ impl Chooser {
             is_auto: choice == RasterChoice::Auto,
             device_type,
             kernels,
-            hardware: None,
+            hardware: [None, None],
             hardware_maker: None,
             able,
+            // That of most scenes.
+            encoding: Encoding::Packed,
             unable,
             ready: Instant::now(),
             expected: 0,
@@ -134,37 +139,52 @@ impl Chooser {
         Choice { candidate, why, reason: reason.into(), measurement: None, candidates }
     }
 
-    /// A rasterizer that the device can run.
-    pub fn rasterizer(&mut self, device: &wgpu::Device, store: &GpuStore, candidate: Candidate) -> Rasterizer {
+    /// A rasterizer that the device can run. `masked`: draws only what a filter shows.
+    pub fn rasterizer(
+        &mut self,
+        device: &wgpu::Device,
+        store: &GpuStore,
+        candidate: Candidate,
+        masked: bool,
+    ) -> Rasterizer {
+        let reading = self.reading(masked);
         if candidate.method == Raster::Points {
-            let raster =
-                self.hardware.get_or_insert_with(|| HardwareRaster::new(device, &store.pages.layout_positions));
+            let make = || HardwareRaster::new(device, &store.pages.layout_positions, reading);
+            let raster = self.hardware[usize::from(masked)].get_or_insert_with(make);
             return Rasterizer::Hardware(raster.clone());
         }
-        Rasterizer::Compute(ComputeRaster::new(device, candidate, &mut self.kernels))
+        Rasterizer::Compute(ComputeRaster::new(device, candidate, &mut self.kernels, reading))
+    }
+
+    fn reading(&self, masked: bool) -> Reading {
+        Reading { encoding: self.encoding, masked }
     }
 
     /// Starts to make what these candidates need, on threads of their own.
     fn make_aside(&mut self, device: &wgpu::Device, store: &GpuStore, candidates: Vec<Candidate>) {
         let wants_points = candidates.iter().any(|candidate| candidate.method == Raster::Points);
-        if self.hardware.is_none() && self.hardware_maker.is_none() && wants_points {
+        let reading = self.reading(false);
+        if self.hardware[0].is_none() && self.hardware_maker.is_none() && wants_points {
             let (device, layout) = (device.clone(), store.pages.layout_positions.clone());
-            let make = move || HardwareRaster::new(&device, &layout);
+            let make = move || HardwareRaster::new(&device, &layout, reading);
             self.hardware_maker = thread::Builder::new().name("point lists".into()).spawn(make).ok();
         }
-        self.kernels.make_aside(device, candidates);
+        self.kernels.make_aside(device, candidates, reading);
     }
 
     /// Whether nothing need be compiled for a candidate any more.
     fn is_ready(&mut self, candidate: Candidate) -> bool {
         if candidate.method != Raster::Points {
-            return self.kernels.is_ready(candidate);
+            return self.kernels.is_ready(candidate, self.reading(false));
         }
         if self.hardware_maker.as_ref().is_some_and(|maker| !maker.is_finished()) {
             return false;
         }
-        if let Some(raster) = self.hardware_maker.take().and_then(|maker| maker.join().ok()) {
-            self.hardware = Some(raster);
+        if let Some(raster) = self.hardware_maker.take().and_then(|maker| maker.join().ok())
+            // The encoding may have become another since.
+            && raster.reading == self.reading(false)
+        {
+            self.hardware[0] = Some(raster);
         }
         true
     }
@@ -173,6 +193,14 @@ impl Chooser {
     pub fn reset(&mut self, points: u64) {
         self.expected = points;
         self.stored = 0;
+        self.measured = None;
+        self.round = None;
+    }
+
+    /// Positions are read otherwise from now on; what was measured need not hold.
+    pub fn set_encoding(&mut self, encoding: Encoding) {
+        self.encoding = encoding;
+        self.hardware = [None, None];
         self.measured = None;
         self.round = None;
     }
@@ -291,7 +319,7 @@ impl GpuBackend {
                 continue;
             }
             let begun = Instant::now();
-            let mut rasterizer = self.chooser.rasterizer(&self.device, &self.store, candidate);
+            let mut rasterizer = self.chooser.rasterizer(&self.device, &self.store, candidate, false);
             let compiled = begun.elapsed();
             let speed = round.probe.speed(&mut self.scene(), &mut rasterizer)?;
             round.longest = round.longest.max(begun.elapsed() / kernels);
@@ -324,7 +352,7 @@ impl GpuBackend {
             return Ok(());
         }
         for candidate in [current, winner] {
-            let mut rasterizer = self.chooser.rasterizer(&self.device, &self.store, candidate);
+            let mut rasterizer = self.chooser.rasterizer(&self.device, &self.store, candidate, false);
             let again = round.probe.speed(&mut self.scene(), &mut rasterizer)?;
             for row in round.table.iter_mut().filter(|row| row.candidate == candidate) {
                 row.speed = row.speed.zip(again).map(|(before, again)| before.faster(again));
@@ -333,7 +361,16 @@ impl GpuBackend {
         Ok(())
     }
 
-    fn current(&self) -> Candidate {
+    /// Lets a GPU's driver compile what a filter would need before one is set; on a processor that is quick, and would
+    /// slow down everything else.
+    fn make_masked_aside(&mut self, candidate: Candidate) {
+        if !self.chooser.is_software() {
+            let reading = self.chooser.reading(true);
+            self.chooser.kernels.make_aside(&self.device, vec![candidate], reading);
+        }
+    }
+
+    pub(super) fn current(&self) -> Candidate {
         self.info.choice.as_ref().map_or(Candidate::new(self.info.method), |choice| choice.candidate)
     }
 
@@ -359,7 +396,7 @@ impl GpuBackend {
                 return Ok(None);
             }
         };
-        let mut rasterizer = self.chooser.rasterizer(&self.device, &self.store, current);
+        let mut rasterizer = self.chooser.rasterizer(&self.device, &self.store, current, false);
         let clear = self.clear.clone();
         probe.prepare(&mut self.scene(), &mut rasterizer, &clear)?;
         // The current one first: without its figure there is nothing to compare with.
@@ -414,7 +451,7 @@ impl GpuBackend {
             candidates.iter().filter_map(in_words).collect::<Vec<_>>().join(", "),
         );
         if now != before {
-            let mut rasterizer = self.chooser.rasterizer(&self.device, &self.store, now);
+            let mut rasterizer = self.chooser.rasterizer(&self.device, &self.store, now, self.masked);
             if let (Rasterizer::Hardware(raster), Some(targets)) = (&mut rasterizer, &self.targets)
                 && let Err(detail) = raster.resize(&self.device, &self.view, &targets.words, targets.size)
             {
@@ -423,6 +460,7 @@ impl GpuBackend {
             }
             self.rasterizer = rasterizer;
         }
+        self.make_masked_aside(now);
         self.info.method = now.method;
         self.info.choice =
             Some(Choice { candidate: now, why: Why::Measured, reason, measurement: Some(measurement), candidates });
@@ -463,6 +501,6 @@ mod tests {
                 thread::sleep(Duration::from_millis(1));
             }
         }
-        assert!(chooser.hardware.is_some() && chooser.kernels.is_ready(Candidate::new(Raster::AtomicMin)));
+        assert!(chooser.hardware[0].is_some() && chooser.is_ready(Candidate::new(Raster::AtomicMin)));
     }
 }

@@ -7,6 +7,7 @@ mod columns;
 mod compute;
 mod hardware;
 mod index;
+mod mask;
 mod measure;
 mod probe;
 mod resolve;
@@ -19,6 +20,7 @@ use self::{
     compute::{ComputeRaster, Kernels},
     hardware::HardwareRaster,
     index::IndexBuild,
+    mask::Mask,
     measure::Chooser,
     resolve::{ColorSource, Resolve},
     sources::{Source, SourceBinder, Sources},
@@ -36,7 +38,7 @@ use crate::{
     },
     scene::PointBatch,
     store::{
-        Insertion,
+        Encoding, Insertion, Packing,
         gpu::{GpuStore, INSERTIONS_PER_FRAME},
     },
 };
@@ -52,12 +54,19 @@ pub struct GpuBackend {
     device: wgpu::Device,
     queue: wgpu::Queue,
     store: GpuStore,
+    /// Of scenes to come, where it fits.
+    encoding: Encoding,
     view: wgpu::Buffer,
     layouts: TargetLayouts,
     targets: Option<Targets>,
     clear: wgpu::ComputePipeline,
     binder: SourceBinder,
     rasterizer: Rasterizer,
+    /// The rasterizer draws only what a filter shows.
+    masked: bool,
+    /// Once a filter was set.
+    mask: Option<Mask>,
+    stored: u32,
     chooser: Chooser,
     index: IndexBuild,
     resolve: Resolve,
@@ -104,7 +113,7 @@ impl GpuBackend {
         let binder = SourceBinder::new(&device);
         let kernels = Kernels::new(&layouts, &store, &binder);
         let mut chooser = Chooser::new(kernels, adapter.device_type, choice, candidates);
-        let rasterizer = chooser.rasterizer(&device, &store, candidate);
+        let rasterizer = chooser.rasterizer(&device, &store, candidate, false);
         let resolve = Resolve::new(&device, &layouts, &store.pages);
         let lost = std::sync::Arc::<std::sync::Mutex<Option<String>>>::default();
         let loss = lost.clone();
@@ -121,6 +130,7 @@ impl GpuBackend {
                 api: adapter.backend.to_str().to_owned(),
                 driver: format!("{} {}", adapter.driver, adapter.driver_info).trim().to_owned(),
                 method: candidate.method,
+                encoding: Encoding::default(),
                 choice: Some(chooser.first_choice(candidate)),
             },
             view: kernel::uniform(&device, "view", size_of::<View>() as u64),
@@ -128,6 +138,9 @@ impl GpuBackend {
             clear: kernel::compute(&device, &shaders::CLEAR.module(&device), "clear", &[&layouts.write]),
             binder,
             rasterizer,
+            masked: false,
+            mask: None,
+            stored: 0,
             chooser,
             index: IndexBuild::new(&device, &layouts),
             columns: Columns::new(&device, &queue, &layouts, &resolve.layout_colors),
@@ -135,6 +148,7 @@ impl GpuBackend {
             average: None,
             timer: FrameTimer::new(&device, &queue, adapter.device_type),
             store,
+            encoding: Encoding::default(),
             layouts,
             device,
             queue,
@@ -155,6 +169,37 @@ impl GpuBackend {
         self.targets.as_ref().map(|targets| (&targets.words, targets.size))
     }
 
+    /// Makes anew what reads positions, if the store holds them in another encoding than at the last frame.
+    fn follow_encoding(&mut self) -> Result<(), RenderError> {
+        let encoding = self.store.pages.encoding();
+        if self.chooser.encoding == encoding {
+            return Ok(());
+        }
+        self.info.encoding = encoding;
+        self.chooser.set_encoding(encoding);
+        self.resolve.set_encoding(&self.device, &self.layouts, &self.store.pages);
+        // Its sums are those of a scene that is gone, or that has grown since.
+        self.average = None;
+        // It is made anew for the next frame with a filter.
+        self.mask = None;
+        self.take_rasterizer(self.masked)
+    }
+
+    /// Makes the rasterizer of the candidate chosen, for the store's encoding. `masked`: it looks at a filter's bits.
+    fn take_rasterizer(&mut self, masked: bool) -> Result<(), RenderError> {
+        let candidate = self.current();
+        let mut rasterizer = self.chooser.rasterizer(&self.device, &self.store, candidate, masked);
+        if let (Rasterizer::Hardware(raster), Some(targets)) = (&mut rasterizer, &self.targets) {
+            let [width, height] = targets.size;
+            raster
+                .resize(&self.device, &self.view, &targets.words, targets.size)
+                .map_err(|detail| RenderError::NoMemoryForPicture { width, height, detail })?;
+        }
+        self.rasterizer = rasterizer;
+        self.masked = masked;
+        Ok(())
+    }
+
     /// The store, for measuring with other settings than a viewer's.
     pub fn store_mut(&mut self) -> &mut GpuStore {
         &mut self.store
@@ -170,6 +215,10 @@ impl GpuBackend {
         self.columns.record_fill(encoder);
         if self.store.pending_insertions() > 0 {
             self.store.record(&mut self.timer.compute_pass(encoder, Stage::Insert));
+        }
+        if let (Some(mask), Some(rules)) = (&mut self.mask, &plan.mask) {
+            let mut pass = self.timer.compute_pass(encoder, Stage::Insert);
+            mask.record(&self.device, &self.queue, &mut pass, &self.store, &self.columns, rules, self.stored);
         }
         if !plan.keeps_depths {
             self.record_clear(encoder, targets);
@@ -221,13 +270,42 @@ impl GpuBackend {
         let size = [plan.view.width, plan.view.height];
         let sums = average::sums_for(&self.device, u64::from(size[0]) * u64::from(size[1]));
         let average = match self.average.take() {
-            Some(average) if average.sums == sums => average,
+            Some(average) if average.sums == sums && average.masked == self.masked => average,
             _ => {
                 let layout_colors = &self.resolve.layout_colors;
-                Average::new(&self.device, sums, &self.store.pages, &self.resolve.tables, layout_colors)
+                Average::new(&self.device, sums, self.masked, &self.store.pages, &self.resolve.tables, layout_colors)
             }
         };
         self.average.insert(average).resize(&self.device, size)
+    }
+
+    /// Gives the pages bits for a filter, or takes them away, and takes the rasterizer that looks at them, or not.
+    fn prepare_mask(&mut self, plan: &FramePlan) -> Result<(), RenderError> {
+        let on = plan.mask.is_some();
+        if on != self.store.pages.is_masked() {
+            let points = self.stored.into();
+            let full = |detail| RenderError::NoMemoryForFilter { points, detail };
+            self.store.pages.set_masked(&self.device, on).map_err(full)?;
+            self.mask.as_mut().map(Mask::forget);
+        }
+        if on && self.mask.is_none() {
+            self.mask = Some(Mask::new(&self.device, &self.store, &self.columns));
+        }
+        if on != self.masked {
+            self.take_rasterizer(on)?;
+        }
+        Ok(())
+    }
+
+    /// Which slots a filter hides, in order; empty without a filter. For tests; waits for the device.
+    pub fn read_hidden(&self) -> Result<Vec<bool>, RenderError> {
+        let mut hidden = Vec::new();
+        for page in self.store.pages.iter().filter(|_| self.masked) {
+            let words = kernel::read_words(&self.device, &self.queue, &page.hidden)?;
+            hidden.extend((0..page.len).map(|slot| words[slot as usize / 32] >> (slot % 32) & 1 == 1));
+        }
+        hidden.truncate(self.stored as usize);
+        Ok(hidden)
     }
 
     /// The sums of high-quality shading in the last frame that had any: red, green, blue and fragments of
@@ -262,8 +340,14 @@ impl Backend for GpuBackend {
         average::sums_for(&self.device, pixels.into())
     }
 
-    fn reset(&mut self, points: u64) {
-        self.store.reset(points);
+    fn set_encoding(&mut self, encoding: Option<Encoding>) {
+        self.encoding = encoding.unwrap_or_default();
+    }
+
+    fn reset(&mut self, points: u64, packing: Option<Packing>) {
+        self.store.reset(points, packing.filter(|_| self.encoding == Encoding::Packed));
+        self.stored = 0;
+        self.mask.as_mut().map(Mask::forget);
         self.chooser.reset(points);
         self.columns.reset(points);
     }
@@ -275,7 +359,8 @@ impl Backend for GpuBackend {
     fn insert(&mut self, insertion: &Insertion, points: &PointBatch) -> Result<(), RenderError> {
         self.check_device()?;
         self.store.upload(insertion, points)?;
-        self.chooser.stored = insertion.old + insertion.new;
+        self.stored = insertion.old + insertion.new;
+        self.chooser.stored = self.stored;
         Ok(())
     }
 
@@ -317,6 +402,8 @@ impl Backend for GpuBackend {
     fn draw(&mut self, plan: &FramePlan) -> Result<(), RenderError> {
         self.check_device()?;
         self.resize([plan.view.width, plan.view.height])?;
+        self.follow_encoding()?;
+        self.prepare_mask(plan)?;
         self.prepare_average(plan)?;
         let Some(targets) = self.targets.take() else { unreachable!("just made") };
         let mut encoder = self.device.create_command_encoder(&Default::default());
@@ -358,6 +445,11 @@ impl Backend for GpuBackend {
         self.timer.take()
     }
 
+    fn points_shown(&mut self) -> Option<u64> {
+        let mask = self.mask.as_mut().filter(|_| self.masked)?;
+        mask.points_shown(&self.device, &self.queue)
+    }
+
     fn choose(&mut self) -> Result<(), RenderError> {
         self.measure_all()
     }
@@ -368,6 +460,7 @@ impl Backend for GpuBackend {
     }
 
     fn read(&mut self) -> Result<Picture, RenderError> {
+        self.follow_encoding()?;
         let Some(targets) = &self.targets else {
             return Ok(Picture { width: 0, height: 0, rgba: vec![], records: vec![], depth: vec![] });
         };

@@ -12,7 +12,7 @@ use crate::{
         timing::{FrameTimer, Stage},
     },
     render::{ColumnColors, FramePlan, shading::EDL_GAIN},
-    store::gpu::Pages,
+    store::{Encoding, gpu::Pages},
 };
 
 /// Lighting in numbers for the kernel. Layout shared with `shaders/light.wgsl`.
@@ -36,15 +36,26 @@ pub enum ColorSource<'a> {
 
 /// The resolve pass.
 pub struct Resolve {
-    color: wgpu::ComputePipeline,
-    identify: wgpu::ComputePipeline,
-    blank: wgpu::ComputePipeline,
+    points: PointPipelines,
     light: wgpu::ComputePipeline,
+    /// Fills holes, once that was asked for; and whether this frame does.
+    holes: Option<wgpu::ComputePipeline>,
+    fills_holes: bool,
     /// Of what is written: colours and records.
     pub layout_colors: wgpu::BindGroupLayout,
     layout_light: wgpu::BindGroupLayout,
+    /// The words, and the picture.
+    layout_holes: [wgpu::BindGroupLayout; 2],
     pub tables: ColorTables,
     shading: wgpu::Buffer,
+}
+
+/// What reads points, in one encoding.
+struct PointPipelines {
+    encoding: Encoding,
+    color: wgpu::ComputePipeline,
+    identify: wgpu::ComputePipeline,
+    blank: wgpu::ComputePipeline,
 }
 
 impl Resolve {
@@ -53,21 +64,28 @@ impl Resolve {
         let compute = wgpu::ShaderStages::COMPUTE;
         let layout_colors = kernel::layout(device, "colors", compute, &[ReadWrite, ReadWrite]);
         let layout_light = kernel::layout(device, "light", compute, &[Uniform, Read, ReadWrite]);
-        let (resolve, light) = (shaders::RESOLVE.module(device), shaders::LIGHT.module(device));
+        let light = shaders::LIGHT.module(device);
         let tables = ColorTables::new(device);
-        let coloring = |entry| {
-            let groups = [&layouts.read, &pages.layout_resolve, &layout_colors, &tables.layout];
-            kernel::compute(device, &resolve, entry, &groups)
-        };
+        let groups = [&layouts.read, &pages.layout_resolve, &layout_colors, &tables.layout];
         Resolve {
-            color: coloring("color"),
-            identify: coloring("identify"),
-            blank: coloring("blank"),
+            // That of most scenes.
+            points: PointPipelines::new(device, groups, Encoding::Packed),
             light: kernel::compute(device, &light, "light", &[&layouts.read, &layout_light]),
             shading: kernel::uniform(device, "shading", size_of::<ShadingUniform>() as u64),
+            holes: None,
+            fills_holes: false,
             layout_colors,
             layout_light,
+            layout_holes: [layouts.read.clone(), kernel::layout(device, "holes", compute, &[ReadWrite])],
             tables,
+        }
+    }
+
+    /// For pages in this encoding from now on.
+    pub fn set_encoding(&mut self, device: &wgpu::Device, layouts: &TargetLayouts, pages: &Pages) {
+        if self.points.encoding != pages.encoding() {
+            let groups = [&layouts.read, &pages.layout_resolve, &self.layout_colors, &self.tables.layout];
+            self.points = PointPipelines::new(device, groups, pages.encoding());
         }
     }
 
@@ -81,6 +99,12 @@ impl Resolve {
             unused_b: 0,
         };
         queue.write_buffer(&self.shading, 0, bytemuck::bytes_of(&uniform));
+        self.fills_holes = plan.shading.fill_holes;
+        if self.fills_holes && self.holes.is_none() {
+            let [words, picture] = &self.layout_holes;
+            let module = shaders::HOLES.module(device);
+            self.holes = Some(kernel::compute(device, &module, "fill_holes", &[words, picture]));
+        }
         self.tables.prepare(device, queue, &plan.colors)
     }
 
@@ -96,13 +120,13 @@ impl Resolve {
         let mut pass = timer.compute_pass(encoder, Stage::Resolve);
         match by {
             ColorSource::Files => {
-                self.record_pages(device, &mut pass, &self.color, &targets.bind_read, targets, pages);
+                self.record_pages(device, &mut pass, &self.points.color, &targets.bind_read, targets, pages);
             }
             ColorSource::Averages(pipeline, sums) => {
                 self.record_pages(device, &mut pass, pipeline, sums, targets, pages);
             }
             ColorSource::Column(columns, colors) => {
-                self.record_pages(device, &mut pass, &self.blank, &targets.bind_read, targets, pages);
+                self.record_pages(device, &mut pass, &self.points.blank, &targets.bind_read, targets, pages);
                 // Of what is written, `record_pages` has bound group 2.
                 columns.record(&mut pass, targets, colors);
             }
@@ -113,6 +137,12 @@ impl Resolve {
         pass.set_bind_group(0, &targets.bind_read, &[]);
         pass.set_bind_group(1, &bind, &[]);
         kernel::dispatch(&mut pass, targets.pixels());
+        if let Some(holes) = self.holes.as_ref().filter(|_| self.fills_holes) {
+            let bind = kernel::bind_buffers(device, "holes", &self.layout_holes[1], &[&targets.picture]);
+            pass.set_pipeline(holes);
+            pass.set_bind_group(1, &bind, &[]);
+            kernel::dispatch(&mut pass, targets.pixels());
+        }
     }
 
     /// Fills the targets' records, for a read-back.
@@ -124,7 +154,7 @@ impl Resolve {
         pages: &Pages,
     ) {
         let mut pass = encoder.begin_compute_pass(&Default::default());
-        self.record_pages(device, &mut pass, &self.identify, &targets.bind_read, targets, pages);
+        self.record_pages(device, &mut pass, &self.points.identify, &targets.bind_read, targets, pages);
     }
 
     fn record_pages(
@@ -146,5 +176,14 @@ impl Resolve {
             pass.set_bind_group(1, &page.bind_resolve, &[]);
             kernel::dispatch(pass, targets.pixels());
         }
+    }
+}
+
+impl PointPipelines {
+    /// `groups`: of words, of a page, of what is written, of colours.
+    fn new(device: &wgpu::Device, groups: [&wgpu::BindGroupLayout; 4], encoding: Encoding) -> PointPipelines {
+        let module = shaders::RESOLVE.module_in(device, encoding);
+        let coloring = |entry| kernel::compute(device, &module, entry, &groups);
+        PointPipelines { encoding, color: coloring("color"), identify: coloring("identify"), blank: coloring("blank") }
     }
 }

@@ -67,9 +67,9 @@ pub struct SourceBinder {
 
 impl SourceBinder {
     pub fn new(device: &wgpu::Device) -> SourceBinder {
-        use Binding::{Read, UniformAt};
+        use Binding::{Read, Uniform, UniformAt};
         SourceBinder {
-            layout: kernel::layout(device, "slots", wgpu::ShaderStages::COMPUTE, &[UniformAt, Read, Read]),
+            layout: kernel::layout(device, "slots", wgpu::ShaderStages::COMPUTE, &[UniformAt, Read, Uniform]),
             spans: kernel::uniform(device, "spans", 8 * u64::from(SPAN_STRIDE)),
         }
     }
@@ -97,7 +97,9 @@ impl SourceBinder {
         queue.write_buffer(&store.lists.fresh_count, 0, bytemuck::bytes_of(&store.fresh_points()));
         let bind = |list: &wgpu::Buffer, count: &wgpu::Buffer| {
             let span = wgpu::BufferBinding { buffer: &self.spans, offset: 0, size: wgpu::BufferSize::new(16) };
-            let resources = [wgpu::BindingResource::Buffer(span), list.as_entire_binding(), count.as_entire_binding()];
+            let count = wgpu::BufferBinding { buffer: count, offset: 0, size: wgpu::BufferSize::new(16) };
+            let [span, count] = [span, count].map(wgpu::BindingResource::Buffer);
+            let resources = [span, list.as_entire_binding(), count];
             kernel::bind(device, "slots", &self.layout, &resources)
         };
         let lists = &store.lists;

@@ -13,7 +13,7 @@ const ARGUMENTS_BYTES: u64 = 44;
 pub struct SlotLists {
     /// Slots visible in the last frame.
     pub visible: wgpu::Buffer,
-    /// Arguments to draw or dispatch `visible`; the first word is its length.
+    /// Arguments to draw or dispatch `visible`; the first word is its length, which kernels read as a uniform.
     pub visible_arguments: wgpu::Buffer,
     /// Slots of the points inserted since the last frame.
     pub fresh: wgpu::Buffer,
@@ -32,10 +32,14 @@ impl SlotLists {
                 device,
                 "visible arguments",
                 ARGUMENTS_BYTES,
-                BufferUsages::STORAGE | BufferUsages::INDIRECT | BufferUsages::COPY_DST | BufferUsages::COPY_SRC,
+                BufferUsages::STORAGE
+                    | BufferUsages::UNIFORM
+                    | BufferUsages::INDIRECT
+                    | BufferUsages::COPY_DST
+                    | BufferUsages::COPY_SRC,
             ),
             fresh: list(device, "fresh slots", 0),
-            fresh_count: kernel::buffer(device, "fresh count", 4, BufferUsages::STORAGE | BufferUsages::COPY_DST),
+            fresh_count: kernel::uniform(device, "fresh count", 16),
             forget_visible: false,
         }
     }

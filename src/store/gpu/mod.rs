@@ -5,10 +5,10 @@ mod lists;
 mod pages;
 
 pub use lists::{DISPATCH_ARGUMENTS, SlotLists};
-pub use pages::{Page, Pages};
+pub use pages::{Page, PageUniform, Pages};
 use wgpu::BufferUsages;
 
-use super::{Insertion, ROUNDS};
+use super::{Encoding, Insertion, Packing, ROUNDS};
 use crate::{
     device::RenderError,
     gpu::{
@@ -55,10 +55,15 @@ struct Pipelines {
     scan: wgpu::ComputePipeline,
     assign: wgpu::ComputePipeline,
     link: wgpu::ComputePipeline,
-    evict: wgpu::ComputePipeline,
-    settle: wgpu::ComputePipeline,
     relocate_visible: wgpu::ComputePipeline,
     relocate_fresh: wgpu::ComputePipeline,
+}
+
+/// What moves points in one encoding.
+struct Moves {
+    encoding: Encoding,
+    evict: wgpu::ComputePipeline,
+    settle: wgpu::ComputePipeline,
 }
 
 /// What depends on the size of an insertion.
@@ -79,6 +84,7 @@ pub struct GpuStore {
     page_points: Option<u32>,
     relocation: bool,
     pipelines: Pipelines,
+    moves: Moves,
     layout_staging: wgpu::BindGroupLayout,
     layout_assign: wgpu::BindGroupLayout,
     layout_move: wgpu::BindGroupLayout,
@@ -101,20 +107,18 @@ impl GpuStore {
         let layout_relocate = layout("relocate", &[Uniform, Read, ReadWrite, Read, ReadWrite]);
         let pages = Pages::new(device);
         let insert = shaders::INSERT.module(device);
-        let moves = shaders::MOVE.module(device);
         let relocate = shaders::RELOCATE.module(device);
         let assigns = |entry| kernel::compute(device, &insert, entry, &[&layout_staging, &layout_assign]);
-        let moving =
-            |entry| kernel::compute(device, &moves, entry, &[&layout_staging, &pages.layout_all, &layout_move]);
         let relocating = |entry| kernel::compute(device, &relocate, entry, &[&layout_relocate]);
+        let groups = [&layout_staging, &pages.layout_all, &layout_move];
         GpuStore {
+            // That of most scenes.
+            moves: Moves::new(device, groups, Encoding::Packed),
             pipelines: Pipelines {
                 count: assigns("count"),
                 scan: assigns("scan"),
                 assign: assigns("assign"),
                 link: assigns("link"),
-                evict: moving("evict"),
-                settle: moving("settle"),
                 relocate_visible: relocating("relocate_visible"),
                 relocate_fresh: relocating("relocate_fresh"),
             },
@@ -146,9 +150,9 @@ impl GpuStore {
         self.relocation = on;
     }
 
-    /// Empties the store; `points` are to come.
-    pub fn reset(&mut self, points: u64) {
-        self.pages.reset(points, self.page_points);
+    /// Empties the store; `points` are to come. With a packing, positions take 8 bytes until one lies outside of its box.
+    pub fn reset(&mut self, points: u64, packing: Option<Packing>) {
+        self.pages.reset(points, self.page_points, packing);
         self.lists.forget_visible = true;
         self.pending.clear();
         self.fresh_points = 0;
@@ -167,6 +171,13 @@ impl GpuStore {
     /// Uploads a batch, to be inserted by [`GpuStore::record`].
     pub fn upload(&mut self, insertion: &Insertion, points: &PointBatch) -> Result<(), RenderError> {
         assert!(self.pending.len() < INSERTIONS_PER_FRAME, "a frame takes {INSERTIONS_PER_FRAME} insertions");
+        if self.pages.packing().is_some_and(|packing| !packing.holds_all(&points.positions)) {
+            self.widen(insertion.old)?;
+        }
+        if self.moves.encoding != self.pages.encoding() {
+            let groups = [&self.layout_staging, &self.pages.layout_all, &self.layout_move];
+            self.moves = Moves::new(&self.device, groups, self.pages.encoding());
+        }
         self.pages.grow(&self.device, &self.queue, insertion.old + insertion.new, insertion.old)?;
         if self.scratch.as_ref().is_none_or(|scratch| scratch.capacity < insertion.new) {
             assert!(self.pending.is_empty(), "a frame's first insertion is its largest");
@@ -193,12 +204,49 @@ impl GpuStore {
         };
         self.queue.write_buffer(&staging.uniform, 0, bytemuck::bytes_of(&uniform));
         let capacity = u64::from(scratch.capacity);
-        self.queue.write_buffer(&staging.points, 0, bytemuck::cast_slice(&points.positions));
+        self.write_positions(&staging.points, &points.positions)?;
         self.queue.write_buffer(&staging.points, 12 * capacity, bytemuck::cast_slice(&points.colors));
         self.queue.write_buffer(&staging.points, 20 * capacity, bytemuck::cast_slice(&points.records));
         self.pending.push((*insertion, self.fresh_points));
         self.fresh_points += insertion.new;
         Ok(())
+    }
+
+    /// To the start of a buffer, in the encoding of the pages.
+    fn write_positions(&self, to: &wgpu::Buffer, positions: &[[i32; 3]]) -> Result<(), RenderError> {
+        let (Some(packing), Some(bytes)) = (self.pages.packing(), wgpu::BufferSize::new(8 * positions.len() as u64))
+        else {
+            self.queue.write_buffer(to, 0, bytemuck::cast_slice(positions));
+            return Ok(());
+        };
+        // Straight into the memory that the device copies from.
+        let view = self.queue.write_buffer_with(to, 0, bytes);
+        let mut view = view.ok_or_else(|| RenderError::DeviceLost("no memory for an upload".into()))?;
+        let words = positions.iter().map(|&position| packing.pack(position).to_le_bytes());
+        view.slice(..).into_chunks::<8>().0.write_iter(words);
+        Ok(())
+    }
+
+    /// Performs all pending insertions now. Their points stay fresh.
+    pub fn flush(&mut self) {
+        let mut encoder = self.device.create_command_encoder(&Default::default());
+        self.lists.drop_forgotten(&mut encoder);
+        self.record(&mut encoder.begin_compute_pass(&Default::default()));
+        self.queue.submit([encoder.finish()]);
+    }
+
+    /// From now on, positions take 12 bytes; `stored` points are there or on their way.
+    ///
+    /// # Errors
+    /// [`RenderError::OutOfMemory`]; the positions stay as they are then.
+    pub fn widen(&mut self, stored: u32) -> Result<(), RenderError> {
+        log::info!("a point lies outside of the box that was promised: {stored} positions are widened to 12 bytes");
+        // What was uploaded in the other encoding is inserted in it.
+        if !self.pending.is_empty() {
+            self.flush();
+        }
+        let widened = self.pages.widen(&self.device, &self.queue, stored);
+        widened.map_err(|detail| RenderError::OutOfMemory { stored: stored.into(), detail })
     }
 
     /// Records all pending insertions: assignment, moves, and the relocation of both lists.
@@ -215,7 +263,7 @@ impl GpuStore {
                 kernel::dispatch(pass, threads);
             }
             let end = insertion.old + insertion.new;
-            for (pipeline, first) in [(&p.evict, 0), (&p.settle, insertion.old)] {
+            for (pipeline, first) in [(&self.moves.evict, 0), (&self.moves.settle, insertion.old)] {
                 pass.set_pipeline(pipeline);
                 pass.set_bind_group(2, &scratch.bind_move, &[]);
                 for page in self.pages.holding(first, end) {
@@ -252,12 +300,19 @@ impl GpuStore {
     }
 
     /// Positions, attributes and records of all slots of the pages, in order, as [`PointBatch`] has
-    /// them; waits for the device. Slots beyond the points stored hold zeros.
+    /// them; waits for the device. Slots beyond the points stored mean nothing.
     pub fn read_points(&self) -> Result<PointBatch, RenderError> {
         let mut points = PointBatch::default();
         for page in self.pages.iter() {
             let column = |buffer| kernel::read_words(&self.device, &self.queue, buffer);
-            points.positions.extend_from_slice(bytemuck::cast_slice(&column(&page.positions)?));
+            let words = column(&page.positions)?;
+            match self.pages.packing() {
+                None => points.positions.extend_from_slice(bytemuck::cast_slice(&words)),
+                Some(packing) => {
+                    let word = |pair: &[u32]| u64::from(pair[1]) << 32 | u64::from(pair[0]);
+                    points.positions.extend(words.chunks_exact(2).map(|pair| packing.unpack(word(pair))));
+                }
+            }
             points.colors.extend_from_slice(bytemuck::cast_slice(&column(&page.attributes)?));
             points.records.extend(column(&page.records)?);
         }
@@ -305,5 +360,15 @@ impl GpuStore {
             bind_move: kernel::bind_buffers(device, "move", &self.layout_move, &[&targets, &moved_to, &carried]),
             moved_to,
         })
+    }
+}
+
+impl Moves {
+    /// `groups`: of what is staged, of a page, of what is on its way.
+    fn new(device: &wgpu::Device, groups: [&wgpu::BindGroupLayout; 3], encoding: Encoding) -> Moves {
+        let module = shaders::MOVE.module(device);
+        let constants = [("POSITION_WORDS", f64::from(encoding.position_words()))];
+        let moving = |entry| kernel::compute_with(device, &module, entry, &groups, &constants);
+        Moves { encoding, evict: moving("evict"), settle: moving("settle") }
     }
 }

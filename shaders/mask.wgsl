@@ -1,0 +1,95 @@
+// Which points of the bound page a filter hides by what is with the points, from integers alone. `from_span` does all
+// slots of a range and those before it in its first word, `from_list` those of a list, among others that stay.
+// Twin: `MaskRules::show` in src/render/filter/rules.rs.
+fn magnitude(a: u32) -> u32 {
+    return select(a, 0u - a, a >= HIGHEST_BIT);
+}
+
+// Of two numbers with signs.
+fn product(a: u32, b: u32) -> vec2<u32> {
+    let x = magnitude(a);
+    let y = magnitude(b);
+    let low = (x & 0xffffu) * (y & 0xffffu);
+    let cross = (x >> 16u) * (y & 0xffffu) + (low >> 16u);
+    let middle = (x & 0xffffu) * (y >> 16u) + (cross & 0xffffu);
+    let high = (x >> 16u) * (y >> 16u) + (cross >> 16u) + (middle >> 16u);
+    let positive = vec2<u32>((middle << 16u) | (low & 0xffffu), high);
+    let negative = sum(~positive, vec2<u32>(1u, 0u));
+    return select(positive, negative, ((a ^ b) & HIGHEST_BIT) != 0u);
+}
+
+fn key_of(test: u32, local: u32) -> vec2<u32> {
+    switch rules[test] {
+        case 0u, 1u, 2u: {
+            return vec2<u32>(bitcast<u32>(load_position(local)[rules[test]]) ^ HIGHEST_BIT, 0u);
+        }
+        case 3u: {
+            let p = bitcast<vec3<u32>>(load_position(local));
+            let x = product(rules[test + 1u], p.x);
+            let dot = sum(sum(x, product(rules[test + 2u], p.y)), product(rules[test + 3u], p.z));
+            return vec2<u32>(dot.x, dot.y ^ HIGHEST_BIT);
+        }
+        case 4u: {
+            return vec2<u32>(attributes[local].y >> 16u, 0u);
+        }
+        default: {
+            return vec2<u32>(records[local], 0u);
+        }
+    }
+}
+
+// `local` counts from the page's first slot.
+fn passes(local: u32) -> bool {
+    for (var t = 0u; t < rules[0]; t++) {
+        let test = FIRST_TEST + RULE_WORDS * t;
+        if !is_in_range(test, key_of(test, local)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+@compute @workgroup_size(256)
+fn from_span(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+    let first = span.first - page.first;
+    let local = (first & ~31u) + line_index(group, groups, thread);
+    let is_there = local < first + span.count;
+    if is_there && !passes(local) {
+        atomicOr(&bits[thread / 32u], 1u << (thread % 32u));
+    }
+    workgroupBarrier();
+    if is_there && thread % 32u == 0u {
+        atomicStore(&hidden[local / 32u], atomicLoad(&bits[thread / 32u]));
+    }
+}
+
+@compute @workgroup_size(256)
+fn from_list(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+    let i = line_index(group, groups, thread);
+    if i >= list_count.x {
+        return;
+    }
+    let local = list[i] - page.first;
+    if local >= page.len {
+        return;
+    }
+    let bit = 1u << (local % 32u);
+    if passes(local) {
+        atomicAnd(&hidden[local / 32u], ~bit);
+    } else {
+        atomicOr(&hidden[local / 32u], bit);
+    }
+}
+
+// Adds up the bits.
+@compute @workgroup_size(256)
+fn count(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+    let word = line_index(group, groups, thread);
+    if word < arrayLength(&hidden) {
+        atomicAdd(&bits[0], countOneBits(atomicLoad(&hidden[word])));
+    }
+    workgroupBarrier();
+    if thread == 0u {
+        atomicAdd(&hidden_points, atomicLoad(&bits[0]));
+    }
+}
