@@ -78,7 +78,7 @@ enum Command {
     Stability(stability::StabilityArgs),
     /// Time frames while a scene grows: does the frame time stay flat?
     #[command(after_help = examples::before_codes(examples::BENCH_FRAMES))]
-    BenchFrames(bench_frames::BenchFramesArgs),
+    BenchFrames(Box<bench_frames::BenchFramesArgs>),
     /// Measure how fast points come from files to the screen, against ceilings and other programs
     #[command(after_help = examples::before(examples::BENCH_INGEST, bench_ingest::HELP))]
     BenchIngest(bench_ingest::BenchIngestArgs),
@@ -129,7 +129,7 @@ fn run(args: impl IntoIterator<Item = OsString>, started: Instant) -> Result<Exi
         Some(Command::Bench(args)) => bench::run(*args),
         Some(Command::Measure(args)) => measure::run(*args),
         Some(Command::Stability(args)) => stability::run(args),
-        Some(Command::BenchFrames(args)) => bench_frames::run(args, started),
+        Some(Command::BenchFrames(args)) => bench_frames::run(*args, started),
         Some(Command::BenchIngest(args)) => bench_ingest::run(args),
         Some(Command::Completions(args)) => manual::completions(args, Cli::command()),
         Some(Command::Man(args)) => manual::man(args, Cli::command()),

@@ -44,7 +44,7 @@ impl GpsEpoch {
             GpsEpoch::Standard { offset_secs } => {
                 // The offset is whole: only the file's own number is rounded.
                 let micros = (secs * 1e6).round();
-                if !(micros.abs() < 9e17) {
+                if micros.is_nan() || micros.abs() >= 9e17 {
                     return None;
                 }
                 let micros = i128::from(offset_secs) * 1_000_000 + micros as i128;
