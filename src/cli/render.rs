@@ -32,8 +32,9 @@ pub struct RenderArgs {
     /// Width and height of the picture, pixels
     #[arg(long, value_name = "WxH", default_value = "1600x900", value_parser = values::parse_size)]
     size: [u32; 2],
-    /// Where to look from: {"eye":[x,y,z],"target":[x,y,z],"up":[0,0,1],"fov_y_deg":60}, or a file that holds
-    /// it; eye and target in the file's own coordinates; by default the whole scene, from the south and above
+    /// Where to look from: {"eye":[x,y,z],"target":[x,y,z],"up":[0,0,1],"fov_y_deg":60}, with
+    /// "projection":"orthographic" for parallel lines, or a file that holds it; eye and target in the file's own
+    /// coordinates; by default the whole scene, from the south and above
     #[arg(long, value_name = "JSON|CAM.json")]
     camera: Option<PathBuf>,
     /// How the GPU turns points into pixels: a method's name, or NAME:64 (:128, :256) with its workgroup
@@ -141,8 +142,12 @@ fn summary(report: &Report) -> String {
         Some(missing) if missing > 0 => format!(" ({} missing)", headless::grouped(missing)),
         _ => String::new(),
     };
+    let shown = match report.points_shown {
+        Some(shown) if shown < report.points_stored => format!(", {} of them shown", headless::grouped(shown)),
+        _ => String::new(),
+    };
     format!(
-        "wrote {}: {width}x{height} pixels, {} points{missing}, {} frame{}, {:.2} s, {} on {}",
+        "wrote {}: {width}x{height} pixels, {} points{missing}{shown}, {} frame{}, {:.2} s, {} on {}",
         names.join(", "),
         headless::grouped(report.points_stored),
         report.frames,
@@ -184,7 +189,7 @@ impl RenderArgs {
     #[cfg(test)]
     pub fn view(&self) -> ((Look, Option<Camera>, [u32; 2]), Vec<PathBuf>) {
         let camera = self.camera.as_deref().map(|path| read_camera(path).expect("a camera"));
-        ((self.look.look(1), camera, self.size), self.inputs.clone())
+        ((self.look.look(Look::default().point_size), camera, self.size), self.inputs.clone())
     }
 
     fn validate(self, started: Instant) -> Result<Settings, CliError> {

@@ -30,8 +30,8 @@ What a device cannot show is said and not counted: without a GPU there are no ra
 a software rasterizer such as lavapipe the times of the experiment `one-pixel` are shown and not judged, since a
 processor runs a few threads at once, and they hardly wait for each other.
 
-REPORT_DIR gets stability.json (every sample), stability.csv (a line per sample) and index.html (tables, charts and
-pictures: failing, holding, truth). The report is written after every experiment, so that Ctrl-C keeps what is done.
+REPORT_DIR gets stability.json (every sample), stability.csv (a line per sample), index.html (tables, charts and
+pictures: failing, holding, truth) and stability.png (of each experiment that has any, the first three pictures). The report is written after every experiment, so that Ctrl-C keeps what is done.
 All experiments take about half a minute on two cores.
 
 Exit codes:
@@ -138,6 +138,9 @@ impl Watcher for Follow {
         let Some(folder) = &self.folder else { return Ok(()) };
         folder.write("stability.csv", |out| write_csv(out, report))?;
         folder.write("index.html", |out| out.write_all(page(report).as_bytes()))?;
+        if let Some(sheet) = report.sheet() {
+            folder.write("stability.png", |out| sheet.write_png(out))?;
+        }
         // Last: it is what says that the folder holds a report.
         Ok(folder.write("stability.json", |out| Ok(serde_json::to_writer_pretty(out, report)?))?)
     }

@@ -65,8 +65,8 @@ fn clock(scene: &SceneFacts) -> Option<GpsClock> {
 pub fn value_text(attribute: &Attribute, value: f64, step: f64, scene: &SceneFacts) -> String {
     let dated = || (*attribute == Attribute::GpsTime).then(|| clock(scene)?.text(value)).flatten();
     dated().unwrap_or_else(|| {
-        // As many as tell 0.25 from 0.3.
-        let decimals = (-(step * 0.999).log10().floor()).clamp(0.0, 9.0) as usize;
+        // Of a step that rounding has left just below a power of ten, as many as of that power.
+        let decimals = (-(step * 1.001).log10().floor()).clamp(0.0, 9.0) as usize;
         format!("{value:.decimals$}")
     })
 }

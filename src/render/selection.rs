@@ -9,7 +9,7 @@ use super::{
     Backend, Progressive,
     filter::{Clip, Filter, MaskRules, Place},
 };
-use crate::scene::Attribute;
+use crate::{device::RenderError, scene::Attribute};
 
 /// While values arrive that a filter needs, all points are looked at anew so often and no more: on a software rasterizer
 /// that takes a few frames' time.
@@ -47,6 +47,18 @@ impl<B: Backend> Progressive<B> {
     /// filter all.
     pub fn points_shown(&mut self) -> Option<u64> {
         if self.selection.mask.is_none() { Some(self.stored.into()) } else { self.backend.points_shown() }
+    }
+
+    /// The same, waited for: the device tells in two steps.
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn wait_for_points_shown(&mut self) -> Result<Option<u64>, RenderError> {
+        for _ in 0..2 {
+            let _ = self.points_shown();
+            self.backend.wait()?;
+        }
+        Ok(self.points_shown())
     }
 
     /// Brings the rules up to date. Other ones make every point be tried again.

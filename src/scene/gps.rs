@@ -113,8 +113,8 @@ mod tests {
         assert_eq!(plain.text(0.0).unwrap(), "1980-01-06 00:00:00 UTC");
         // 10⁹ s: https://en.wikipedia.org/wiki/Global_Positioning_System has 2011-09-14 01:46:25 UTC.
         assert_eq!(ADJUSTED.text(0.0).unwrap(), "2011-09-14 01:46:25 UTC");
-        // The last leap second: GPS time 1167264017 is 2017-01-01 00:00:00 UTC.
-        let around = [-2, -1, 0].map(|s| plain.text(1_167_264_017.0 + f64::from(s) + 0.25).unwrap());
+        // The last leap second: 2017-01-01 00:00:00 UTC is 1,483,228,800 s after 1970, GPS time 1,167,264,018.
+        let around = [-2, -1, 0].map(|s| plain.text(1_167_264_018.0 + f64::from(s) + 0.25).unwrap());
         assert_eq!(around, ["2016-12-31 23:59:59.25 UTC", "2016-12-31 23:59:60.25 UTC", "2017-01-01 00:00:00.25 UTC"]);
         // The first: 1981-07-01 00:00:00 UTC.
         assert_eq!(plain.text(f64::from(4199 * 86_400 - 315_964_800 + 1)).unwrap(), "1981-07-01 00:00:00 UTC");

@@ -6,30 +6,30 @@ use std::{
 };
 
 use eframe::{
-    egui::{self, Color32, Context, Event, FontId, Id, Key, Modifiers, Rect, Response, Sense, TextStyle, Ui},
+    egui::{self, Color32, Context, Event, FontId, Id, Key, Modifiers, Rect, Sense, TextStyle, Ui},
     egui_wgpu::RenderState,
 };
-use glam::DVec3;
 
 use super::{
     Options,
     blit::Blit,
     dialogs::{Chosen, Dialogs},
     help,
-    input::{self, Hand},
+    keys::Command,
     legend,
     loading::Loading,
     messages::{Messages, Severity},
     models::{self, Spread},
+    navigation::StandardView,
     overlay::{self, Averages, Status},
     pace::Pace,
     panels::{self, Typed, performance::Performance, share::Share},
-    probe::Probe,
     remembered::{Remembered, Store},
     requests::{Choose, Request},
     scene_state::{self, SceneState, Taken},
     screenshot::{self, ShotOptions, Writing},
-    settings::{Ask, Section, Settings},
+    settings::{Section, Settings},
+    touch::Touch,
 };
 use crate::{
     render::{Backend, FillBudget, GpuBackend, RenderError},
@@ -43,8 +43,7 @@ pub struct App {
     scene: SceneState,
     blit: Blit,
     device: wgpu::Device,
-    hand: Hand,
-    probe: Probe,
+    touch: Touch,
     settings: Settings,
     messages: Messages,
     /// Of the picture, in pixels.
@@ -80,8 +79,7 @@ impl App {
             scene: SceneState::new(backend, &options, software),
             blit: Blit::new(&state.device, state.target_format),
             device: state.device.clone(),
-            hand: Hand::default(),
-            probe: Probe::default(),
+            touch: Touch::default(),
             settings,
             messages: Messages::default(),
             size: [0, 0],
@@ -108,11 +106,16 @@ impl App {
         let Taken::Scene { inputs, keeps_view } = taken else { return };
         self.remembered.note_opened(&inputs);
         self.performance.forget_threads();
+        // What was kept of the scene before means nothing in this one; of the same files and others, moves still do.
+        self.touch = if keeps_view { self.touch.in_same_place() } else { Touch::default() };
         // What the command line gave is meant for the first one.
         if !keeps_view && !is_first {
             self.settings.forget_scene();
         }
-        let first = self.scene.facts().and_then(|scene| scene.files.first()).map(|file| file.path.clone());
+        let first = self.first_file();
+        if let Some(first) = first.as_ref().filter(|_| !keeps_view) {
+            self.touch.hand.bookmarks = self.remembered.bookmarks_of(first);
+        }
         self.share.path = screenshot::default_path(first.as_deref()).display().to_string();
         self.share.may_replace = false;
     }
@@ -121,22 +124,15 @@ impl App {
     fn advance(&mut self, ctx: &Context) -> bool {
         let advance = self.scene.advance(ctx, &mut self.messages, &self.settings, self.size);
         self.pace.note_drawn(advance.drawn);
+        if advance.drawn {
+            self.touch.note_drawn();
+        }
         if advance.drawn
             && let Some(times) = self.scene.progressive.last_pass_times()
         {
             self.performance.note_frame(*times, self.pace.last_secs());
         }
         advance.again
-    }
-
-    fn show_view(&mut self, ask: Ask) {
-        let Some(navigation) = &mut self.scene.navigation else { return };
-        match ask {
-            Ask::Home => navigation.home(),
-            Ask::Top => navigation.look_from(DVec3::Z),
-            Ask::Front => navigation.look_from(-DVec3::Y),
-            Ask::Side => navigation.look_from(DVec3::X),
-        }
     }
 
     fn obey(&mut self, ctx: &Context, request: Request) {
@@ -320,7 +316,7 @@ impl App {
     }
 
     /// What lies over the picture, which takes `rect` of the window.
-    fn show_overlay(&mut self, ui: &Ui, rect: Rect) -> Option<Ask> {
+    fn show_overlay(&mut self, ui: &Ui, rect: Rect) -> Option<StandardView> {
         let mut asked = None;
         if !overlay::fits(ui.ctx()) {
             return None;
@@ -369,20 +365,22 @@ impl App {
         }
     }
 
-    /// Asks what the cursor is on, for the next move of the mouse.
-    fn feel(&mut self, ctx: &Context, picture: &Response) {
-        if picture.contains_pointer()
-            && let Some(at) = ctx.input(|i| i.pointer.hover_pos())
-            && let Some(navigation) = &self.scene.navigation
-        {
-            self.probe.ask(&mut self.scene.progressive, input::pixel(ctx, picture, at), navigation);
-        }
-    }
-
     fn paint(&mut self, ui: &Ui, rect: Rect) {
         if let Some((picture, size)) = self.scene.picture() {
             let callback = self.blit.paint(rect, picture, size, self.settings.look.shading.background);
             ui.painter().add(callback);
+        }
+    }
+
+    fn first_file(&self) -> Option<PathBuf> {
+        self.scene.facts().and_then(|scene| scene.files.first()).map(|file| file.path.clone())
+    }
+
+    /// Settings and bookmarks as they are now.
+    fn note_all(&mut self) {
+        self.settings.note(&mut self.remembered);
+        if let Some(first) = self.first_file() {
+            self.remembered.set_bookmarks(&first, &self.touch.hand.bookmarks);
         }
     }
 
@@ -391,7 +389,7 @@ impl App {
         if ctx.input(|i| i.pointer.any_down()) {
             return;
         }
-        self.settings.note(&mut self.remembered);
+        self.note_all();
         let (size, is_large) = ctx.input(|i| {
             let viewport = i.viewport();
             (
@@ -456,37 +454,24 @@ impl eframe::App for App {
         self.size = [rect.width(), rect.height()].map(|side| (side * ctx.pixels_per_point()).round() as u32);
         self.take_incoming(&ctx);
 
-        let picture = ui.interact(rect, Id::unique("picture"), Sense::drag());
-        let mut asked = None;
-        let mut flying = false;
-        if !ctx.egui_wants_keyboard_input() {
-            asked = input::keys(&ctx, &mut self.settings);
-        }
-        if let Some(touched) = self.probe.answer(&mut self.scene.progressive) {
-            self.hand.touched = touched.map(|touched| touched.place);
-        }
-        if let Some(navigation) = &mut self.scene.navigation {
-            navigation.resize(self.size);
-            self.hand.steer(&ctx, &picture, navigation);
-            flying = !ctx.egui_wants_keyboard_input() && input::fly(&ctx, navigation);
-        }
-        if let Some(ask) = asked {
-            self.show_view(ask);
-        }
+        let picture = ui.interact(rect, Id::unique("picture"), Sense::click_and_drag());
+        let moving = self.touch.steer(&ctx, &picture, self.size, &mut self.scene, &mut self.settings);
 
         // Nobody will see the frame after the last.
         let closing = ctx.input(|i| i.viewport().close_requested());
-        let mut again = !closing && (self.advance(&ctx) || flying);
+        let mut again = !closing && (self.advance(&ctx) || moving);
         self.go_on_with_shot(&ctx);
         if !closing && !again {
             self.measure_at_rest(&ctx);
         }
         self.paint(ui, rect);
-        self.feel(&ctx, &picture);
+        self.touch.feel(&ctx, &picture, &mut self.scene);
 
         // Last, so that the numbers are those of the picture; what it changes is for the next frame.
-        if let Some(ask) = self.show_overlay(ui, rect) {
-            self.show_view(ask);
+        let mut commands = self.touch.show(ui, &picture, &self.scene, &mut self.settings);
+        commands.extend(self.show_overlay(ui, rect).map(Command::Show));
+        for command in commands {
+            self.touch.obey(&ctx, command, &mut self.scene, &mut self.settings);
             again = true;
         }
         again |= obeyed || self.settings != before;
@@ -506,7 +491,7 @@ impl eframe::App for App {
     }
 
     fn on_exit(&mut self) {
-        self.settings.note(&mut self.remembered);
+        self.note_all();
         if let Err(error) = self.store.save(&self.remembered) {
             log::error!("{error}");
         }

@@ -10,6 +10,7 @@ mod dialogs;
 mod format;
 mod help;
 mod input;
+mod keys;
 mod legend;
 mod loading;
 mod messages;
@@ -25,6 +26,8 @@ mod rereading;
 mod scene_state;
 mod screenshot;
 mod settings;
+mod tools;
+mod touch;
 
 use std::{path::PathBuf, sync::Arc};
 

@@ -7,9 +7,10 @@ use eframe::egui::{
 
 use super::{
     format::{count, duration, percent},
-    settings::{Ask, Settings},
+    navigation::StandardView,
+    settings::Settings,
 };
-use crate::render::{Choice, Clock};
+use crate::render::{Choice, Clock, PointSize};
 
 /// Sizes of points that the controls offer.
 pub const POINT_SIZES: std::ops::RangeInclusive<u32> = 1..=8;
@@ -19,7 +20,7 @@ const PANEL_ALPHA: u8 = 218;
 const ACCENT: Color32 = Color32::from_rgb(106, 182, 255);
 const LINE_HEIGHT: f32 = 20.0;
 /// Two lines, the space between them and around them.
-const BAR_HEIGHT: f32 = 2.0 * LINE_HEIGHT + 3.0 + 10.0;
+pub const BAR_HEIGHT: f32 = 2.0 * LINE_HEIGHT + 3.0 + 10.0;
 /// Narrower windows show the lines without the controls, and the numbers before the device.
 const CONTROLS_FROM_WIDTH: f32 = 900.0;
 
@@ -73,7 +74,7 @@ pub fn fits(ctx: &egui::Context) -> bool {
 }
 
 /// Two lines at the lower edge of the picture, which takes `screen` of the window.
-pub fn bar(ctx: &egui::Context, screen: Rect, status: &Status, settings: &mut Settings) -> Option<Ask> {
+pub fn bar(ctx: &egui::Context, screen: Rect, status: &Status, settings: &mut Settings) -> Option<StandardView> {
     let mut asked = None;
     let corner = screen.left_bottom() - vec2(0.0, BAR_HEIGHT);
     Area::new(Id::unique("status")).order(Order::Foreground).fixed_pos(corner).constrain(false).show(ctx, |ui| {
@@ -207,7 +208,7 @@ fn progress(ui: &Ui, screen: Rect, s: &Status) {
 }
 
 /// From the right.
-fn controls(ui: &mut Ui, settings: &mut Settings) -> Option<Ask> {
+fn controls(ui: &mut Ui, settings: &mut Settings) -> Option<StandardView> {
     let mut asked = None;
     let button = |ui: &mut Ui, text: &str, hint: &str| ui.add(Button::new(small(text)).small()).on_hover_text(hint);
     if button(ui, "?", "Keys and mouse (F1)").clicked() {
@@ -217,10 +218,10 @@ fn controls(ui: &mut Ui, settings: &mut Settings) -> Option<Ask> {
         settings.panel = !settings.panel;
     }
     for (ask, text, hint) in [
-        (Ask::Side, "Side", "From the east (3)"),
-        (Ask::Front, "Front", "From the south (1)"),
-        (Ask::Top, "Top", "From above (7)"),
-        (Ask::Home, "Fit", "Show all (Home or H)"),
+        (StandardView::Right, "Side", "From the east (3)"),
+        (StandardView::Front, "Front", "From the south (1)"),
+        (StandardView::Top, "Top", "From above (7)"),
+        (StandardView::Home, "Fit", "Show all (Home or H)"),
     ] {
         if button(ui, text, hint).clicked() {
             asked = Some(ask);
@@ -230,8 +231,9 @@ fn controls(ui: &mut Ui, settings: &mut Settings) -> Option<Ask> {
         .on_hover_text("High quality: mean colour of all points within 1 % of the nearest (B)");
     ui.checkbox(&mut settings.edl, small("shading")).on_hover_text("Eye-dome lighting (L)");
     ui.spacing_mut().slider_width = 64.0;
-    ui.add(Slider::new(&mut settings.look.point_size, POINT_SIZES).suffix(" px"))
-        .on_hover_text("Size of points ([ and ])");
+    if let PointSize::Pixels(pixels) = &mut settings.look.point_size {
+        ui.add(Slider::new(pixels, POINT_SIZES).suffix(" px")).on_hover_text("Size of points ([ and ])");
+    }
     asked
 }
 

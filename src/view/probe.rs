@@ -29,14 +29,20 @@ pub struct Touched {
 }
 
 impl Probe {
-    /// Asks what is at the cursor in the last frame; does nothing while an answer is on its way.
-    pub fn ask(&mut self, progressive: &mut Progressive<GpuBackend>, cursor: DVec2, navigation: &Navigation) {
+    /// Asks what is at the cursor in the last frame, unless an answer is on its way; true if it was asked.
+    pub fn ask(&mut self, progressive: &mut Progressive<GpuBackend>, cursor: DVec2, navigation: &Navigation) -> bool {
         if self.asked.is_some() || cursor.min_element() < 0.0 {
-            return;
+            return false;
         }
         let at = PickAt { pixel: [cursor.x as u32, cursor.y as u32], reach: REACH };
         let asked = progressive.pick(at);
         self.asked = asked.map(|ticket| Asked { ticket, navigation: navigation.clone(), cursor });
+        self.asked.is_some()
+    }
+
+    /// An answer is on its way.
+    pub fn is_waiting(&self) -> bool {
+        self.asked.is_some()
     }
 
     /// The answer, once it is there; none of a point where the background shows.

@@ -11,7 +11,10 @@ use std::{
 use serde::{Serialize, de::DeserializeOwned};
 use serde_json::{Map, Value};
 
-use super::settings::{Section, Theme};
+use super::{
+    navigation::Bookmarks,
+    settings::{Section, Theme},
+};
 use crate::{
     render::{Clip, ColorBy, Coloring, Filter, Look},
     scene::Attribute,
@@ -22,6 +25,9 @@ pub const SETTINGS_VARIABLE: &str = "FIRSTLIGHT_SETTINGS";
 
 /// So many things that were opened are kept.
 const RECENT: usize = 12;
+
+/// Scenes whose bookmarks are kept.
+const BOOKMARKED: usize = 50;
 
 /// What is remembered.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -36,11 +42,15 @@ pub struct Remembered {
     /// Sections of the side panel that are open.
     pub sections: Vec<Section>,
     pub theme: Theme,
+    /// The camera goes to views on a short way.
+    pub smooth: bool,
     pub legend: bool,
     /// Width and height of the window, in points.
     pub window: [f32; 2],
     /// Files and folders, the last opened first.
     pub recent: Vec<PathBuf>,
+    /// Bookmarks of scenes by their first file, the last seen first.
+    pub bookmarks: Vec<(PathBuf, Bookmarks)>,
 }
 
 impl Default for Remembered {
@@ -53,9 +63,11 @@ impl Default for Remembered {
             panel_width: 300.0,
             sections: vec![Section::Files, Section::Color, Section::Look],
             theme: Theme::default(),
+            smooth: true,
             legend: true,
             window: [1280.0, 800.0],
             recent: Vec::new(),
+            bookmarks: Vec::new(),
         }
     }
 }
@@ -74,9 +86,11 @@ impl Remembered {
             panel_width: if width.is_finite() { width.clamp(120.0, 2_000.0) } else { default.panel_width },
             sections: field(&mut map, "sections", default.sections),
             theme: field(&mut map, "theme", default.theme),
+            smooth: field(&mut map, "smooth", default.smooth),
             legend: field(&mut map, "legend", default.legend),
             window: field(&mut map, "window", default.window).map(|side: f32| side.clamp(160.0, 16_384.0)),
             recent: field(&mut map, "recent", Vec::new()),
+            bookmarks: field(&mut map, "bookmarks", Vec::new()),
         }
     }
 
@@ -89,16 +103,39 @@ impl Remembered {
         self.look = Some(Look { coloring, filter: Filter::default(), clip: Clip::default(), ..look.clone() });
     }
 
+    /// Bookmarks of the scene that begins with this file.
+    pub fn bookmarks_of(&self, first: &Path) -> Bookmarks {
+        let known = self.bookmarks.iter().find(|(file, _)| *file == absolute(first));
+        known.map(|(_, bookmarks)| bookmarks.clone()).unwrap_or_default()
+    }
+
+    /// Keeps the bookmarks of the scene that begins with this file.
+    pub fn set_bookmarks(&mut self, first: &Path, bookmarks: &Bookmarks) {
+        let path = absolute(first);
+        if self.bookmarks.first().is_some_and(|(file, kept)| *file == path && kept == bookmarks) {
+            return;
+        }
+        self.bookmarks.retain(|(file, _)| *file != path);
+        if !bookmarks.entries.is_empty() {
+            self.bookmarks.insert(0, (path, bookmarks.clone()));
+        }
+        self.bookmarks.truncate(BOOKMARKED);
+    }
+
     /// Puts what was opened first.
     pub fn note_opened(&mut self, inputs: &[PathBuf]) {
         for input in inputs.iter().rev() {
-            // A relative path means nothing in another folder.
-            let path = std::path::absolute(input).unwrap_or_else(|_| input.clone());
+            let path = absolute(input);
             self.recent.retain(|known| *known != path);
             self.recent.insert(0, path);
         }
         self.recent.truncate(RECENT);
     }
+}
+
+/// A relative path means nothing in another folder.
+fn absolute(path: &Path) -> PathBuf {
+    std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
 }
 
 fn field<T: DeserializeOwned>(map: &mut Map<String, Value>, name: &str, default: T) -> T {
@@ -163,7 +200,17 @@ fn replace(place: &Path, remembered: &Remembered) -> io::Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::Clause;
+    use crate::render::{Camera, Clause};
+
+    fn camera() -> Camera {
+        Camera {
+            eye: [0.0; 3],
+            target: [0.0, 1.0, 0.0],
+            up: [0.0, 0.0, 1.0],
+            fov_y_deg: 60.0,
+            projection: Default::default(),
+        }
+    }
 
     #[test]
     fn settings_come_back_as_they_were() {
@@ -179,10 +226,17 @@ mod tests {
         remembered.sections = vec![Section::Performance];
         remembered.note_opened(&["/a/b.laz".into(), "/c".into()]);
         remembered.note_opened(&["/c".into()]);
+        remembered.smooth = false;
+        let mut bookmarks = Bookmarks::default();
+        bookmarks.add(Camera { eye: [0.1, 5_000_000.123, 1.0 / 3.0], ..camera() });
+        remembered.set_bookmarks(Path::new("/c"), &bookmarks);
+        remembered.set_bookmarks(Path::new("/d"), &Bookmarks::default());
         store.save(&remembered).unwrap();
         let (mut store, again) = Store::open(Some(place.clone()));
         assert_eq!(again, remembered);
         assert_eq!(again.recent, [Path::new("/c"), Path::new("/a/b.laz")]);
+        assert_eq!(again.bookmarks_of(Path::new("/c")), bookmarks);
+        assert_eq!(again.bookmarks.len(), 1, "a scene without bookmarks takes no room");
         let look = again.look.clone().unwrap();
         assert!(look.shading.high_quality && look.filter == Filter::default(), "a filter belongs to one scan");
         // Unchanged: not written again.

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use firstlight::{
     render::{
-        Backend, Clause, Clip, ClipBox, CpuBackend, Filter, FrameRequest, GpuBackend, MaskRules, Picture, Place,
-        Progressive, Raster, Slab,
+        Backend, Clause, Clip, ClipBox, CpuBackend, Filter, FrameRequest, MaskRules, Picture, Place, Progressive,
+        Raster, Slab,
     },
     scene::{Attribute, FileFacts, PointBatch, SceneFacts},
 };
@@ -123,21 +123,11 @@ fn check_bits(points: usize, page_points: Option<u32>, piece: u32, case: &(Filte
             }
         }
         let shown = hidden.iter().filter(|hidden| !**hidden).count() as u64;
-        assert_eq!(told(&mut gpu), shown, "{}", at(stored));
+        assert_eq!(gpu.wait_for_points_shown().unwrap().unwrap(), shown, "{}", at(stored));
         if gpu.is_loaded() {
             return;
         }
     }
-}
-
-/// Points shown, when the device has told.
-fn told(progressive: &mut Progressive<GpuBackend>) -> u64 {
-    // The first call takes what arrived of an older frame, and asks for what was counted since.
-    for _ in 0..2 {
-        let _ = progressive.points_shown();
-        progressive.backend_mut().wait().unwrap();
-    }
-    progressive.points_shown().expect("a number of points")
 }
 
 #[test]

@@ -76,11 +76,7 @@ fn counts(mut backend: Box<dyn Backend>, scan: &Path, options: &[&str]) -> Vec<u
                 break;
             }
         }
-        for _ in 0..2 {
-            let _ = progressive.points_shown();
-            progressive.backend_mut().wait().unwrap();
-        }
-        shown.push(progressive.points_shown().expect("a number"));
+        shown.push(progressive.wait_for_points_shown().unwrap().expect("a number"));
     }
     shown
 }

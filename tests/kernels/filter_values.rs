@@ -1,7 +1,7 @@
 //! Filters by attributes whose values are in columns: with the points, or read later and in any order.
 
 use firstlight::{
-    render::{Backend, Clip, CpuBackend, Filter, Progressive, Raster},
+    render::{Backend, Clip, CpuBackend, Filter, Raster},
     scene::{Attribute, PointBatch},
 };
 
@@ -42,14 +42,6 @@ fn shows(filter: &Filter, cloud: &Cloud, points: &PointBatch, i: usize, is_known
     })
 }
 
-fn told(progressive: &mut Progressive<Box<dyn Backend>>) -> u64 {
-    for _ in 0..2 {
-        let _ = progressive.points_shown();
-        progressive.backend_mut().wait().unwrap();
-    }
-    progressive.points_shown().expect("a number of points")
-}
-
 #[test]
 fn values_that_come_with_the_points_filter_them() {
     let cloud = cloud(20_000);
@@ -68,11 +60,21 @@ fn values_that_come_with_the_points_filter_them() {
                 session.progressive.offer(with_attributes(&cloud, start..end));
                 let stored = session.frame(&request).points_stored as usize;
                 let expected = shown[..stored].iter().filter(|shown| **shown).count() as u64;
-                assert_eq!(told(&mut session.progressive), expected, "{}, {case:?}, {stored} points", session.name);
+                assert_eq!(
+                    session.progressive.wait_for_points_shown().unwrap().unwrap(),
+                    expected,
+                    "{}, {case:?}, {stored} points",
+                    session.name
+                );
             }
             session.progressive.end_of_input();
             let picture = session.assert_exact(&request, &format!("{case:?}"));
-            assert_eq!(told(&mut session.progressive), count as u64, "{}, {case:?}", session.name);
+            assert_eq!(
+                session.progressive.wait_for_points_shown().unwrap().unwrap(),
+                count as u64,
+                "{}, {case:?}",
+                session.name
+            );
             assert!(covered(&picture) > 50);
             let is_right = |record: &i64| usize::try_from(*record).map_or(true, |record| shown[record]);
             assert!(picture.records.iter().all(is_right), "{}, {case:?}", session.name);
@@ -110,7 +112,12 @@ fn values_that_are_read_later_filter_as_far_as_they_have_come() {
             let lacking = session.progressive.lacking(filter.attributes());
             assert!(!lacking.is_empty());
             session.frame(&request);
-            assert_eq!(told(&mut session.progressive), 0, "{}: {case:?}, nothing is known", session.name);
+            assert_eq!(
+                session.progressive.wait_for_points_shown().unwrap().unwrap(),
+                0,
+                "{}: {case:?}, nothing is known",
+                session.name
+            );
             session.progressive.begin_values(lacking);
             for (n, &start) in pieces.iter().enumerate() {
                 session.progressive.offer_values(&with_attributes(&cloud, start..start + 1000)).unwrap();
@@ -122,13 +129,23 @@ fn values_that_are_read_later_filter_as_far_as_they_have_come() {
                     let is_known = |i: usize| pieces[..=n].contains(&(i / 1000 * 1000));
                     let expected = (0..cloud.len()).filter(|&i| shows(&filter, &cloud, &points, i, is_known(i)));
                     let expected = expected.count() as u64;
-                    assert_eq!(told(&mut session.progressive), expected, "{}: {case:?}, {n}", session.name);
+                    assert_eq!(
+                        session.progressive.wait_for_points_shown().unwrap().unwrap(),
+                        expected,
+                        "{}: {case:?}, {n}",
+                        session.name
+                    );
                 }
             }
             session.progressive.end_values();
             let picture = session.assert_exact(&request, &format!("{case:?}"));
             let expected = (0..cloud.len()).filter(|&i| shows(&filter, &cloud, &points, i, true)).count() as u64;
-            assert_eq!(told(&mut session.progressive), expected, "{}: {case:?}", session.name);
+            assert_eq!(
+                session.progressive.wait_for_points_shown().unwrap().unwrap(),
+                expected,
+                "{}: {case:?}",
+                session.name
+            );
             let is_right =
                 |record: &i64| usize::try_from(*record).map_or(true, |i| shows(&filter, &cloud, &points, i, true));
             assert!(picture.records.iter().all(is_right), "{}, {case:?}", session.name);

@@ -51,6 +51,48 @@ fn the_virtual_clock_gives_the_same_report_on_every_adapter() {
     }
 }
 
+/// What a file is stored in and what is decoded of it are settings too. No pixel depends on the first; without
+/// colours the same points are shown in others.
+#[test]
+fn encodings_and_fields_are_compared() {
+    let bench = Bench::new();
+    bench.scan("a.laz", Scene::Town, 30_000);
+    let args = "measure a.laz --size 64x48 --clock virtual --fill 900 --frames 3 --no-baselines -q --motion jump \
+                --encoding wide,packed,auto --fields colors,positions,all";
+    let measured = |folder: &str, backend: &str| {
+        bench.run(&format!("{args} -o {folder} {backend}")).expect(0);
+        report(&bench, folder)
+    };
+    let cpu = measured("cpu", "--backend cpu");
+    let runs = cpu["runs"].as_array().unwrap();
+    let names: Vec<[&str; 2]> =
+        runs.iter().map(|run| ["encoding", "fields"].map(|key| run[key].as_str().unwrap())).collect();
+    let of = |encoding| ["colors", "positions", "all"].map(|fields| [encoding, fields]);
+    assert_eq!(names, [of("wide"), of("packed")].concat(), "what auto chooses is run once");
+    let viewers: Vec<bool> = runs.iter().map(|run| run["is_viewers_method"].as_bool().unwrap()).collect();
+    assert_eq!(viewers, [false, false, false, true, false, false]);
+    let shown = |run: &Value, of: &str| -> Vec<Value> {
+        run["frames"].as_array().unwrap().iter().map(|frame| frame["received"][of].clone()).collect()
+    };
+    for run in &runs[1..] {
+        for metric in ["covered_share", "right_share", "depth_error_p95_m"] {
+            assert_eq!(shown(run, metric), shown(&runs[0], metric), "{metric}");
+        }
+        let is_colored = run["fields"] != "positions";
+        assert_eq!(shown(run, "psnr_db") == shown(&runs[0], "psnr_db"), is_colored, "other colours, other errors");
+    }
+    let csv = fs::read_to_string(bench.path("cpu").join("measure.csv")).unwrap();
+    assert!(csv.contains(",packed,positions,1,jump,"), "{csv}");
+    let page = fs::read_to_string(bench.path("cpu").join("index.html")).unwrap();
+    assert!(page.contains("900, 2 px, packed, positions"), "a dot for each setting");
+    if gpu_or_skip() {
+        let mut gpu = measured("gpu", "--backend gpu --method early-z");
+        assert_ne!(gpu["adapter"], cpu["adapter"]);
+        gpu["adapter"] = cpu["adapter"].clone();
+        assert!(gpu == cpu);
+    }
+}
+
 #[test]
 fn theory_holds_for_the_shuffle_and_fails_without_it() {
     let bench = Bench::new();
@@ -138,6 +180,12 @@ fn points_that_are_missing_are_said() {
 fn what_is_wrong_is_said_before_the_work() {
     let bench = Bench::new();
     bench.scan("a.las", Scene::Planes, 2000);
+    let mut wide = fs::read(bench.path("a.las")).unwrap();
+    // The header's largest and smallest x, y and z.
+    for (at, value) in [(179, 1e9_f64), (187, -1e9), (195, 1e9), (203, -1e9), (211, 1e9), (219, -1e9)] {
+        wide[at..at + 8].copy_from_slice(&value.to_le_bytes());
+    }
+    fs::write(bench.path("wide.las"), wide).unwrap();
     bench.write("text.las", "no scan");
     bench.write("none.json", "[]");
     bench.write("second.json", r#"[{"eye":[0,-9,1],"target":[0,0,0]},{"eye":[1,1,1],"target":[1,1,1]}]"#);
@@ -156,6 +204,10 @@ fn what_is_wrong_is_said_before_the_work() {
         ("a.las -o out --baselines best", 2, "unshuffled"),
         ("a.las -o out --baselines unshuffled --no-baselines", 2, "cannot be used"),
         ("a.las -o out --backend cpu --method early-z", 2, "--method"),
+        ("a.las -o out --encoding narrow", 2, "packed"),
+        ("a.las -o out --fields names", 2, "positions"),
+        ("--synth town:5 -o out --fields all", 2, "--fields"),
+        ("wide.las -o out --backend cpu --encoding packed", 2, "choose the wide encoding"),
         ("a.las -o out --path none.json", 2, "at least one camera"),
         ("a.las -o out --path one.json", 2, "expected [{"),
         ("a.las -o out --path missing.json", 2, "missing.json"),

@@ -17,6 +17,8 @@ fn a_report_is_written_and_written_over() {
     let names: Vec<&Value> = report["experiments"].as_array().unwrap().iter().map(|entry| &entry["name"]).collect();
     assert_eq!(names, ["slot-zero", "exposure"], "in the order of the table");
     let html = fs::read_to_string(bench.path("out/index.html")).unwrap();
+    let sheet = fs::read(bench.path("out/stability.png")).unwrap();
+    assert!(sheet.starts_with(b"\x89PNG") && sheet[16..20] == 732_u32.to_be_bytes(), "three pictures side by side");
     assert!(html.contains("--only exposure,slot-zero") && html.contains("data:image/png"));
     assert!(!html.contains("src=\"http") && !html.contains("<script"), "one page, nothing else needed");
     assert!(fs::read_to_string(bench.path("out/stability.csv")).unwrap().lines().count() > 8);

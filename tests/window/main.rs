@@ -8,7 +8,9 @@
 #![cfg(target_os = "linux")]
 
 mod display;
+mod moves;
 mod panels;
+mod tools;
 mod viewer;
 mod xserver;
 

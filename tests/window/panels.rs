@@ -80,9 +80,14 @@ fn settings_are_remembered_and_pictures_saved() {
 
     let text = fs::read_to_string(&settings).unwrap();
     assert!(text.contains("\"panel\": false") && text.contains("planes.las"), "{text}");
-    // The panel stays hidden, and so does the point size without the option.
+    // The panel stays hidden, and the points as large as they were, without the option.
     let mut viewer = Viewer::start_with(&display, &settings, &[scan.to_str().unwrap()]);
-    viewer.wait_for("the same picture", PATIENCE, |v| (v.shot().difference(&without) == 0).then_some(()));
+    viewer.wait_for_line("at rest", PATIENCE);
+    let again = viewer.shot_at_rest();
+    again.save("14-remembered");
+    assert!(viewer.close(PATIENCE).success());
+    let mut viewer = Viewer::start(&display, &arguments);
+    viewer.wait_for("the same picture", PATIENCE, |v| (v.shot().difference(&again) == 0).then_some(()));
     assert!(viewer.close(PATIENCE).success());
 
     // What is damaged is as if it were not there, and --fresh does not even look.

@@ -13,7 +13,7 @@
 //! experiment  what an experiment is given, claims, and hands back
 //! run         all of them in turn
 //! report      all samples: JSON; csv: a line per sample; page: tables, charts, pictures
-//! picture     small pictures as PNG in a data URI
+//! picture     small pictures as PNG, one by one in data URIs, and all on a sheet
 //! scenes      points to try methods on, and how they enter a store
 //! pinhole     a projection in f64, and one of f32 positions
 //! uniformity  chi-square and spectral tests of orders of points
@@ -30,6 +30,7 @@
 //! ties        equal depths
 //! degenerate  clouds without extent, poses without numbers
 //! exposure    colours of 8 and of 16 bits
+//! holes       what hole filling gets right and wrong
 //! ```
 
 mod averages;
@@ -40,6 +41,7 @@ mod depth;
 mod experiment;
 mod exposure;
 mod fill;
+mod holes;
 mod loading;
 mod page;
 mod picture;
@@ -58,6 +60,7 @@ pub mod uniformity;
 pub use csv::write_csv;
 pub use experiment::{Bound, Claim, Experiment, Outcome, Role, Setup, Size, Swap};
 pub use page::{markdown, page};
+pub use picture::Image;
 pub use report::{Entry, StabilityReport, TITLE};
 pub use run::{Watcher, stability};
 pub use table::{EXPERIMENTS, StabilityError, by_name};

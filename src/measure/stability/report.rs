@@ -2,7 +2,10 @@
 
 use serde::Serialize;
 
-use super::experiment::{Claim, Experiment, Outcome, Role};
+use super::{
+    experiment::{Claim, Experiment, Outcome, Role},
+    picture::{Image, Strip, sheet},
+};
 use crate::measure::machine::Machine;
 
 /// What the report calls itself.
@@ -67,6 +70,12 @@ impl Entry {
 }
 
 impl StabilityReport {
+    /// A row of pictures for each experiment that has some: failing, holding, truth.
+    pub fn sheet(&self) -> Option<Image> {
+        let strips: Vec<&Strip> = self.experiments.iter().filter_map(|entry| entry.outcome.pictures.first()).collect();
+        sheet(&strips)
+    }
+
     /// True if nothing that counts is wrong.
     pub fn is_stable(&self) -> bool {
         self.experiments.iter().all(|entry| entry.broken().next().is_none())

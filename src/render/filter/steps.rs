@@ -88,7 +88,7 @@ mod tests {
         let plane = slab(&GRID, &s);
         let mut counts = [0, 0];
         for i in 0..40_000 {
-            let p = [9_000 + (i * 7919) % 2000, 4_000 + (i * 104_729) % 2000, i];
+            let p = [9_000 + (i * 7919) % 2000, 4_000 + (i * 4_729) % 2000, i];
             let w = GRID.world(p);
             let distance = (w[0] - s.point[0]) * 0.6 - (w[1] - s.point[1]) * 0.8;
             let is_in = (plane.low..=plane.high).contains(&dot(&plane, p));

@@ -220,7 +220,7 @@ fn texture(ui: &Ui, map: ColorMap) -> TextureHandle {
 /// Names and colours of values that are told apart, with a tick for those that are shown.
 fn values(ui: &mut Ui, attribute: &Attribute, colors: &Colors, coloring: &mut Coloring, filter: &mut Filter) {
     let are_classes = *attribute == Attribute::Classification;
-    Grid::new("values").num_columns(4).striped(true).show(ui, |ui| {
+    Grid::new("values").num_columns(4).min_col_width(16.0).striped(true).show(ui, |ui| {
         for value in colors.values.iter().take(LISTED) {
             tick(ui, attribute, value, filter);
             if are_classes {
@@ -262,7 +262,8 @@ fn class(ui: &mut Ui, value: &Value, coloring: &mut Coloring) {
     let button = ui.color_edit_button_srgb(&mut color).on_hover_text("Its colour");
     button.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("Colour of class {number}")));
     let mut text = name.to_string();
-    let field = ui.add(TextEdit::singleline(&mut text).desired_width(120.0)).on_hover_text(format!("Class {number}"));
+    let size = vec2(130.0, ui.spacing().interact_size.y);
+    let field = ui.add_sized(size, TextEdit::singleline(&mut text)).on_hover_text(format!("Class {number}: {name}"));
     field.widget_info(|| {
         let mut info = WidgetInfo::text_edit(true, "", text.as_str(), "");
         info.label = Some(format!("Name of class {number}"));

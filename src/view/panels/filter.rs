@@ -133,7 +133,7 @@ fn values(ui: &mut Ui, table: &Table, filter: &mut Filter, requests: &mut Vec<Re
             ui.small("as far as it is read");
         }
     });
-    Grid::new(("values", attribute.to_string())).num_columns(3).striped(true).show(ui, |ui| {
+    Grid::new(("values", attribute.to_string())).num_columns(3).min_col_width(16.0).striped(true).show(ui, |ui| {
         for value in table.values.iter().take(LISTED) {
             tick(ui, attribute, value, filter);
             ui.label(&value.name);
