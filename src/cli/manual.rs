@@ -25,6 +25,8 @@ pub struct CompletionsArgs {
 pub fn man(args: ManArgs, command: Command) -> Result<ExitStatus, CliError> {
     let Some(folder) = args.folder else {
         let mut page = Vec::new();
+        // As `generate_to` has it.
+        let command = command.disable_help_subcommand(true);
         clap_mangen::Man::new(command).render(&mut page).expect("memory can be written to");
         print(&String::from_utf8_lossy(&page))?;
         return Ok(ExitStatus::Ok);

@@ -29,10 +29,13 @@ fn a_pick_is_the_id_of_the_picture_on_every_rasterizer() {
     for way in ways_to_draw() {
         let args = format!("a.laz b.las --size 300x200 {way}");
         let outputs = bench.render(&args);
-        // Some that show a point, and some two columns beside one.
-        let shown: Vec<usize> = (0..outputs.ids.len()).filter(|&p| outputs.ids[p] >= 0).collect();
-        let spread = (0..40).map(|i| shown[i * 7_919 % shown.len()] + i % 2 * 2);
-        let pixels: Vec<[usize; 2]> = spread.map(|p| [p % 300, p / 300 % 200]).collect();
+        // Some that show a point, and some background two columns before one.
+        let pixels = |wanted: &dyn Fn(usize) -> bool| {
+            let all: Vec<usize> = (0..outputs.ids.len() - 2).filter(|&p| p % 300 < 298 && wanted(p)).collect();
+            (0..20).map(move |i| all[i * 7_919 % all.len()]).map(|p| [p % 300, p / 300]).collect::<Vec<_>>()
+        };
+        let shows = |p: usize| outputs.ids[p] >= 0;
+        let pixels = [pixels(&shows), pixels(&|p| !shows(p) && shows(p + 2))].concat();
         let mut hits = [0; 2];
         for (i, reach) in [0, 5].into_iter().enumerate() {
             for (at, found) in pixels.iter().zip(picked(&bench, &args, &pixels, reach)) {
@@ -52,7 +55,7 @@ fn a_pick_is_the_id_of_the_picture_on_every_rasterizer() {
                 hits[i] += 1;
             }
         }
-        assert!(hits[0] > 10 && hits[1] > hits[0], "{way}: {hits:?}");
+        assert_eq!(hits, [20, 40], "{way}");
     }
 }
 
