@@ -34,12 +34,12 @@ fn add_slot(slot: u32) {
     }
     var color = vec3<u32>(0u);
     var has_color = false;
-    let last = min(point.corner + i32(view.point_size), vec2<i32>(i32(view.width), i32(view.height)));
+    let last = min(point.corner + i32(point.size), vec2<i32>(i32(view.width), i32(view.height)));
     for (var y = max(point.corner.y, 0); y < last.y; y++) {
         for (var x = max(point.corner.x, 0); x < last.x; x++) {
             let pixel = u32(y) * view.width + u32(x);
             let word = words[pixel];
-            if word.x != slot && point.depth <= bitcast<f32>(word.y) * AVERAGED_DEPTH {
+            if word.x != slot && point.depth <= far_as(bitcast<f32>(word.y), AVERAGED_DEPTH) {
                 // Most points are hidden: nobody asks for their colours.
                 if !has_color {
                     let packed = color_of(local);

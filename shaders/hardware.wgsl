@@ -15,7 +15,7 @@ struct Vertex {
     @location(2) @interpolate(flat, either) tested: f32,
 }
 
-// One instance for each pixel of the point's square.
+// One instance for each pixel of the largest point's square.
 @vertex
 fn place(@builtin(vertex_index) slot: u32, @builtin(instance_index) instance: u32) -> Vertex {
     var vertex: Vertex;
@@ -26,9 +26,10 @@ fn place(@builtin(vertex_index) slot: u32, @builtin(instance_index) instance: u3
         return vertex;
     }
     let point = project(load_position(local));
-    let pixel = point.corner + vec2<i32>(vec2<u32>(instance % view.point_size, instance / view.point_size));
+    let at = vec2<u32>(instance % view.point_size, instance / view.point_size);
+    let pixel = point.corner + vec2<i32>(at);
     let size = vec2<i32>(i32(view.width), i32(view.height));
-    if !point.is_inside || any(pixel < vec2<i32>(0)) || any(pixel >= size) {
+    if !point.is_inside || any(at >= vec2<u32>(point.size)) || any(pixel < vec2<i32>(0)) || any(pixel >= size) {
         return vertex;
     }
     let ndc = (vec2<f32>(pixel) + 0.5) / vec2<f32>(size) * 2.0 - 1.0;

@@ -26,13 +26,13 @@ var<workgroup> group_count: atomic<u32>;
 var<workgroup> group_first: u32;
 
 // True if no pixel before this one, in raster order, shows the same slot. A point's pixels lie within
-// a square of point_size, so only those around have to be looked at.
-fn is_first(x: i32, y: i32, slot: u32) -> bool {
-    let reach = i32(view.point_size) - 1;
-    for (var row = max(y - reach, 0); row <= y; row++) {
+// a square of its size, so only those around have to be looked at; the nearest rows first, where it mostly is.
+fn is_first(x: i32, y: i32, word: vec2<u32>) -> bool {
+    let reach = i32(point_size_at(bitcast<f32>(word.y))) - 1;
+    for (var row = y; row >= max(y - reach, 0); row--) {
         let end = select(min(x + reach, i32(view.width) - 1), x - 1, row == y);
         for (var column = max(x - reach, 0); column <= end; column++) {
-            if words[u32(row) * view.width + u32(column)].x == slot {
+            if words[u32(row) * view.width + u32(column)].x == word.x {
                 return false;
             }
         }
@@ -47,7 +47,7 @@ fn build(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) group
     if pixel < view.width * view.height {
         let word = words[pixel];
         // A background pixel has depth bits that no point has; slot NONE is never given to a point.
-        if word.x != NONE && is_first(i32(pixel % view.width), i32(pixel / view.width), word.x) {
+        if word.x != NONE && is_first(i32(pixel % view.width), i32(pixel / view.width), word) {
             slot = word.x;
         }
     }

@@ -43,7 +43,7 @@ fn light(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) group
 }
 
 fn edl_shade(pixel: u32, depth: f32) -> f32 {
-    let reach = i32(view.point_size);
+    let reach = i32(point_size_at(depth));
     let x = i32(pixel % view.width);
     let y = i32(pixel / view.width);
     var product = 1.0;
@@ -55,7 +55,7 @@ fn edl_shade(pixel: u32, depth: f32) -> f32 {
             }
             let word = words[u32(at.y) * view.width + u32(at.x)];
             if word.x != NONE {
-                product = min(product * max(1.0, depth / bitcast<f32>(word.y)), EDL_LIMIT);
+                product = min(product * max(1.0, times_as_far(depth, bitcast<f32>(word.y))), EDL_LIMIT);
             }
         }
     }

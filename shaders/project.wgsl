@@ -1,5 +1,6 @@
-// From an integer grid position to a pixel. Twin: `View::project` in src/render/camera.rs; nobody
+// From an integer grid position to a pixel. Twin: `View::project` in src/render/view.rs; nobody
 // else computes a pixel.
+// Each number is told at `View` in src/render/view.rs.
 struct View {
     row_x: vec4<f32>,
     row_y: vec4<f32>,
@@ -15,11 +16,34 @@ struct View {
 @group(0) @binding(0) var<uniform> view: View;
 
 struct Projected {
-    // Upper left pixel of the point's square; may be outside by up to point_size - 1.
+    // Upper left pixel of the point's square; may be outside by up to size - 1.
     corner: vec2<i32>,
     // Distance along the viewing direction.
     depth: f32,
+    // Width of the square.
+    size: u32,
     is_inside: bool,
+}
+
+// What hangs on the view is selected: lavapipe 22.3 compiles a kernel anew for each dispatch where a branch does.
+fn is_orthographic() -> bool {
+    return view.row_x.w > 0.0;
+}
+
+// Pixels of a point's width at a depth.
+fn point_size_at(depth: f32) -> u32 {
+    let sized = u32(clamp(view.row_y.w / depth + 0.5, 1.0, f32(view.point_size)));
+    return select(view.point_size, sized, view.row_y.w > 0.0 && !is_orthographic());
+}
+
+// How many times as far as `front` something at `depth` counts as; see `View::times_as_far`.
+fn times_as_far(depth: f32, front: f32) -> f32 {
+    return select(depth / front, 1.0 + (depth - front) / view.row_y.w, is_orthographic());
+}
+
+// The depth that counts as `times` as far as `front`.
+fn far_as(front: f32, times: f32) -> f32 {
+    return select(front * times, front + view.row_y.w * (times - 1.0), is_orthographic());
 }
 
 fn row_dot(row: vec4<f32>, d: vec3<f32>) -> f32 {
@@ -45,19 +69,22 @@ fn steps_from_eye(position: vec3<i32>) -> vec3<f32> {
 fn project(position: vec3<i32>) -> Projected {
     var projected: Projected;
     let d = steps_from_eye(position) - view.eye_fraction;
-    let depth = row_dot(view.row_w, d);
+    let depth = row_dot(view.row_w, d) + view.row_x.w;
     if !(depth > 0.0) {
         return projected;
     }
-    let half = 0.5 * f32(view.point_size - 1u);
-    let x = (row_dot(view.row_x, d) / depth * 0.5 + 0.5) * f32(view.width) - half;
-    let y = (row_dot(view.row_y, d) / depth * 0.5 + 0.5) * f32(view.height) - half;
-    let edge = 1.0 - f32(view.point_size);
+    let divisor = select(depth, 1.0, is_orthographic());
+    let size = point_size_at(depth);
+    let half = 0.5 * f32(size - 1u);
+    let x = (row_dot(view.row_x, d) / divisor * 0.5 + 0.5) * f32(view.width) - half;
+    let y = (row_dot(view.row_y, d) / divisor * 0.5 + 0.5) * f32(view.height) - half;
+    let edge = 1.0 - f32(size);
     if !(x >= edge && x < f32(view.width) && y >= edge && y < f32(view.height)) {
         return projected;
     }
     projected.corner = vec2<i32>(floor(vec2<f32>(x, y)));
     projected.depth = depth;
+    projected.size = size;
     projected.is_inside = true;
     return projected;
 }

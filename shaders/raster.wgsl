@@ -19,7 +19,7 @@ fn plot_point(position: vec3<i32>, slot: u32) {
     if !point.is_inside {
         return;
     }
-    let last = min(point.corner + i32(view.point_size), vec2<i32>(i32(view.width), i32(view.height)));
+    let last = min(point.corner + i32(point.size), vec2<i32>(i32(view.width), i32(view.height)));
     for (var y = max(point.corner.y, 0); y < last.y; y++) {
         for (var x = max(point.corner.x, 0); x < last.x; x++) {
             plot(u32(y) * view.width + u32(x), point.depth, slot);

@@ -22,6 +22,7 @@ use crate::{
         },
     },
     methods::{Encoding, Gpu, METHODS, Method, by_name},
+    render::Projection,
     synth::{Scene, SynthOptions},
 };
 
@@ -160,6 +161,11 @@ pub fn run(args: BenchArgs) -> Result<ExitStatus, CliError> {
     }
     let Some(output) = args.output.as_deref().filter(|_| !args.list) else { return list() };
     let camera = args.camera.as_deref().map(read_camera).transpose()?;
+    if camera.is_some_and(|camera| camera.projection != Projection::Perspective) {
+        return Err(CliError::Usage(
+            "--camera: the methods are measured in perspective; leave out \"projection\"".into(),
+        ));
+    }
     let folder = ReportDir::prepare(output, "bench.json", TITLE)?;
     let gpu = Gpu::headless().map_err(RasterError::from)?;
     let is_software = gpu.info.device_type == wgpu::DeviceType::Cpu;

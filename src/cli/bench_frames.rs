@@ -11,7 +11,7 @@ use clap::Args;
 
 use super::{
     CliError, ExitStatus,
-    look::{ColorArgs, FilterArgs},
+    look::LookArgs,
     render::{BackendArg, backend_choice},
     say,
     values::{self, EncodingChoice},
@@ -19,7 +19,7 @@ use super::{
 use crate::{
     headless::{Destination, HeadlessError, OutputError, fields_of, make_backend},
     measure::{BenchError, BenchFrames, Fed, Feed, bench_frames, markdown},
-    render::{FillBudget, Look, RasterChoice},
+    render::{FillBudget, Look, PointSize, RasterChoice},
     synth::SynthOptions,
 };
 
@@ -40,9 +40,6 @@ pub struct BenchFramesArgs {
     /// Width and height of the picture, pixels
     #[arg(long, value_name = "WxH", default_value = "1920x1080", value_parser = values::parse_size)]
     size: [u32; 2],
-    /// Width of a point, pixels, 1 to 8
-    #[arg(long, value_name = "PX", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=8))]
-    point_size: u32,
     /// Frame time that the fill budget aims at, milliseconds
     #[arg(long, value_name = "MS", default_value_t = 16.0, value_parser = values::parse_millis)]
     target_ms: f64,
@@ -56,9 +53,6 @@ pub struct BenchFramesArgs {
     /// How positions lie in memory
     #[arg(long, value_enum, default_value_t)]
     encoding: EncodingChoice,
-    /// High-quality shading
-    #[arg(long)]
-    hq: bool,
     /// Where to draw; auto takes a GPU if there is one
     #[arg(long, value_enum, default_value_t)]
     backend: BackendArg,
@@ -68,13 +62,11 @@ pub struct BenchFramesArgs {
     /// Reader threads; by default one per core, less one
     #[arg(long, value_name = "N", value_parser = values::parse_threads)]
     threads: Option<usize>,
-    #[command(flatten)]
-    color: ColorArgs,
-    #[command(flatten)]
-    filter: FilterArgs,
     /// Write every sample as JSON
     #[arg(long, value_name = "REPORT.json")]
     json: Option<PathBuf>,
+    #[command(flatten)]
+    look: LookArgs,
 }
 
 pub fn run(args: BenchFramesArgs, started: Instant) -> Result<ExitStatus, CliError> {
@@ -89,17 +81,14 @@ pub fn run(args: BenchFramesArgs, started: Instant) -> Result<ExitStatus, CliErr
     let (backend, _, notes) = make_backend(backend_choice(args.backend, args.method)?, args.method, args.threads)
         .map_err(BenchError::from)?;
     notes.iter().for_each(|note| say(note));
-    let look = args.look();
     let settings = BenchFrames {
         size: args.size,
-        point_size: args.point_size,
+        look: args.look(),
         seed: args.seed,
         fill: args.fill.map_or(FillBudget::Target(args.target_ms * 1e-3), FillBudget::Fixed),
         at: args.at,
         frames: args.frames,
-        high_quality: args.hq,
         encoding: args.encoding.encoding(),
-        look,
     };
     let report = bench_frames(&settings, feed, backend, decoded, started)?;
     // If nobody reads the table, the report is still written.
@@ -113,8 +102,7 @@ pub fn run(args: BenchFramesArgs, started: Instant) -> Result<ExitStatus, CliErr
 
 impl BenchFramesArgs {
     fn look(&self) -> Look {
-        let (filter, clip) = (self.filter.filter(), self.filter.clip());
-        Look { coloring: self.color.coloring(), filter, clip, ..Default::default() }
+        self.look.look(PointSize::default())
     }
 }
 

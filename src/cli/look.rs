@@ -4,15 +4,20 @@ use clap::{ArgMatches, Args, parser::ValueSource};
 
 use super::values;
 use crate::render::{
-    CLIP_PERCENT, Clause, Clip, ClipBox, ColorBy, ColorMap, Coloring, Filter, Look, Shading, Slab, Tone,
+    CLIP_PERCENT, Clause, Clip, ClipBox, ColorBy, ColorMap, Coloring, Decor, Filter, Look, PointSize, Projection,
+    Shading, Slab, Tone,
 };
 
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "How it looks")]
 pub struct LookArgs {
-    /// Width of a point, pixels, 1 to 8; by default 1 in a picture and 2 in the window
-    #[arg(long, value_name = "PX", value_parser = clap::value_parser!(u32).range(1..=8))]
-    point_size: Option<u32>,
+    /// Width of a point: pixels, 1 to 8, or a size in the file's unit such as 0.05m, drawn as large as it is from
+    /// there (up to 32 pixels); by default 1 in a picture and 2 in the window
+    #[arg(long, value_name = "PX|SIZEm")]
+    point_size: Option<PointSize>,
+    /// Without perspective: everything looks as large as at the camera's target
+    #[arg(long)]
+    orthographic: bool,
     /// Strength of eye-dome lighting; 0 turns it off
     #[arg(long, value_name = "STRENGTH", default_value_t = Shading::default().edl_strength, value_parser = values::parse_strength, allow_negative_numbers = true)]
     edl: f32,
@@ -20,9 +25,15 @@ pub struct LookArgs {
     /// (not with attributes that are neither rgb, intensity, elevation nor file)
     #[arg(long)]
     hq: bool,
-    /// Colour where no point is
+    /// Give small holes in surfaces the colour of a point beside them; records and depths stay as they are
+    #[arg(long)]
+    fill_holes: bool,
+    /// Colour where no point is; by default #181c22
     #[arg(long, value_name = "#RRGGBB", value_parser = values::parse_color)]
     background: Option<[u8; 3]>,
+    /// Draw over the picture: the scene's bounding box, a scale bar, a north arrow
+    #[arg(long, value_name = "box,scale,north")]
+    decorate: Option<Decor>,
     #[command(flatten)]
     filter: FilterArgs,
     #[command(flatten)]
@@ -106,8 +117,11 @@ impl ColorArgs {
 }
 
 /// Which field of [`Look`] an option sets, as a JSON pointer.
-const FIELDS: [(&str, &str); 15] = [
+const FIELDS: [(&str, &str); 18] = [
     ("point_size", "/point_size"),
+    ("orthographic", "/projection"),
+    ("fill_holes", "/shading/fill_holes"),
+    ("decorate", "/decor"),
     ("edl", "/shading/edl_strength"),
     ("hq", "/shading/high_quality"),
     ("background", "/shading/background"),
@@ -132,17 +146,20 @@ pub fn given(matches: &ArgMatches) -> Vec<&'static str> {
 
 impl LookArgs {
     /// `point_size` is for where none is given.
-    pub fn look(&self, point_size: u32) -> Look {
+    pub fn look(&self, point_size: PointSize) -> Look {
         Look {
             point_size: self.point_size.unwrap_or(point_size),
+            projection: if self.orthographic { Projection::Orthographic } else { Projection::Perspective },
             shading: Shading {
                 edl_strength: self.edl,
-                background: self.background.unwrap_or(Shading::default().background),
                 high_quality: self.hq,
+                fill_holes: self.fill_holes,
+                background: self.background.unwrap_or(Shading::default().background),
             },
             coloring: self.color.coloring(),
             filter: self.filter.filter(),
             clip: self.filter.clip(),
+            decor: self.decorate.unwrap_or_default(),
         }
     }
 }
@@ -168,7 +185,7 @@ mod tests {
             ["/shading/edl_strength", "/shading/high_quality"],
             "a default may be given as well"
         );
-        let look = LookArgs::from_arg_matches(&matches).unwrap().look(2);
+        let look = LookArgs::from_arg_matches(&matches).unwrap().look(2.into());
         assert!(look.shading.high_quality);
     }
 }

@@ -234,7 +234,9 @@ mod tests {
             Look::default(),
             Look {
                 point_size: "3".parse().unwrap(),
-                shading: Shading { edl_strength: 0.1, background: [1, 2, 255], high_quality: true },
+                shading: Shading { edl_strength: 0.1, background: [1, 2, 255], high_quality: true, fill_holes: true },
+                projection: crate::render::Projection::Orthographic,
+                decor: "box,north".parse().unwrap(),
                 ..Default::default()
             },
             Look {

@@ -16,7 +16,7 @@ use super::{
 };
 use crate::{
     headless::{self, BackendChoice, Destination, HeadlessError, Outputs, Settings, Stop},
-    render::{INSERTION_POINTS, RasterChoice},
+    render::{INSERTION_POINTS, PointSize, RasterChoice},
     view::{self, ViewError},
 };
 
@@ -47,7 +47,7 @@ pub struct OpenArgs {
 }
 
 /// Width of a point in the window, pixels: at one, near surfaces have holes in motion.
-const WINDOW_POINT_SIZE: u32 = 2;
+const WINDOW_POINT_SIZE: PointSize = PointSize::Pixels(2);
 
 /// `given`: fields of the look that the command line says, for they win over what is remembered.
 pub fn run(args: OpenArgs, given: Vec<&'static str>, started: Instant) -> Result<ExitStatus, CliError> {

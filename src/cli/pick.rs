@@ -14,7 +14,7 @@ use super::{
 use crate::{
     headless::{self, Outputs, Picked, Settings, Stop},
     inspect::{Field, PointRecord, Value, shortest_f32},
-    render::{INSERTION_POINTS, MAX_REACH, Pick, PickAt, RasterChoice},
+    render::{INSERTION_POINTS, MAX_REACH, Pick, PickAt, PointSize, RasterChoice},
 };
 
 #[derive(Debug, Args)]
@@ -68,7 +68,7 @@ pub fn run(args: PickArgs, started: Instant) -> Result<ExitStatus, CliError> {
         method: args.method,
         encoding: None,
         fill: None,
-        look: args.look.look(1),
+        look: args.look.look(PointSize::default()),
         seed: args.seed,
         insertion_points: INSERTION_POINTS,
         stop: Stop::Converged,

@@ -32,8 +32,9 @@ pub struct RenderArgs {
     /// Width and height of the picture, pixels
     #[arg(long, value_name = "WxH", default_value = "1600x900", value_parser = values::parse_size)]
     size: [u32; 2],
-    /// Where to look from: {"eye":[x,y,z],"target":[x,y,z],"up":[0,0,1],"fov_y_deg":60}, or a file that holds
-    /// it; eye and target in the file's own coordinates; by default the whole scene, from the south and above
+    /// Where to look from: {"eye":[x,y,z],"target":[x,y,z],"up":[0,0,1],"fov_y_deg":60}, with
+    /// "projection":"orthographic" for parallel lines, or a file that holds it; eye and target in the file's own
+    /// coordinates; by default the whole scene, from the south and above
     #[arg(long, value_name = "JSON|CAM.json")]
     camera: Option<PathBuf>,
     /// How the GPU turns points into pixels: a method's name, or NAME:64 (:128, :256) with its workgroup
@@ -188,7 +189,7 @@ impl RenderArgs {
     #[cfg(test)]
     pub fn view(&self) -> ((Look, Option<Camera>, [u32; 2]), Vec<PathBuf>) {
         let camera = self.camera.as_deref().map(|path| read_camera(path).expect("a camera"));
-        ((self.look.look(1), camera, self.size), self.inputs.clone())
+        ((self.look.look(Look::default().point_size), camera, self.size), self.inputs.clone())
     }
 
     fn validate(self, started: Instant) -> Result<Settings, CliError> {

@@ -207,10 +207,11 @@ shader!(PICK, NOTHING, "page", "points", "pick");
 shader!(COLUMN, NOTHING, "group", "project", "column_page", "column");
 shader!(FILL_COLUMN, NOTHING, "group", "column_page", "fill_column");
 shader!(LIGHT, NOTHING, "group", "project", "light");
+shader!(HOLES, NOTHING, "group", "project", "holes");
 shader!(COPY, NOTHING, "group", "methods/copy");
 
 /// All modules, for the tests.
-pub const ALL: [&Shader; 26] = [
+pub const ALL: [&Shader; 27] = [
     &INSERT,
     &MOVE,
     &WIDEN,
@@ -236,5 +237,6 @@ pub const ALL: [&Shader; 26] = [
     &COLUMN,
     &FILL_COLUMN,
     &LIGHT,
+    &HOLES,
     &COPY,
 ];

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::render::{Camera, ClassTable, Clip, Coloring, Filter, Look, Shading, Tone};
+use crate::render::{Camera, ClassTable, Clip, Coloring, Filter, Look, Projection, Shading, Tone};
 
 /// `firstlight render …` for what this camera shows, quoted for a POSIX shell. Options that have their default value are
 /// left out. Names that are no UTF-8 do not survive.
@@ -19,19 +19,28 @@ pub fn command(look: &Look, camera: &Camera, size: [u32; 2], inputs: &[PathBuf])
 
 /// Every option of `cli::look` that is not at its default. A new field of `Look` does not compile until it is here.
 fn look_words(look: &Look, words: &mut Vec<String>) {
-    let Look { point_size, shading, coloring, filter, clip } = look;
-    let Shading { edl_strength, background, high_quality } = shading;
+    let Look { point_size, projection, shading, coloring, filter, clip, decor } = look;
+    let Shading { edl_strength, background, high_quality, fill_holes } = shading;
     let Filter { clauses } = filter;
     let Clip { bounds, slab } = clip;
     let usual = Look::default();
     if *point_size != usual.point_size {
         option(words, "--point-size", point_size.to_string());
     }
+    if *projection == Projection::Orthographic {
+        words.push("--orthographic".into());
+    }
     if *edl_strength != usual.shading.edl_strength {
         option(words, "--edl", edl_strength.to_string());
     }
     if *high_quality {
         words.push("--hq".into());
+    }
+    if *fill_holes {
+        words.push("--fill-holes".into());
+    }
+    if !decor.is_empty() {
+        option(words, "--decorate", decor.to_string());
     }
     if *background != usual.shading.background {
         let [red, green, blue] = background;

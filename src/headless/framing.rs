@@ -1,22 +1,33 @@
 //! The default camera, also where a header's box is no help.
 
 use crate::{
-    render::Camera,
+    render::{Camera, Projection, SOUTH_AND_ABOVE},
     scene::{Bounds, Grid, PointBatch, SceneFacts},
 };
 
 /// The camera that shows the whole scene in a picture of `size` pixels. `first` is the first batch of
 /// points, if there is one; it is asked only where the headers' boxes cannot be right.
 pub fn default_camera(facts: &SceneFacts, first: Option<&PointBatch>, size: [u32; 2]) -> Camera {
+    default_camera_as(facts, first, size, Projection::Perspective)
+}
+
+/// As [`default_camera`], with any projection.
+pub fn default_camera_as(
+    facts: &SceneFacts,
+    first: Option<&PointBatch>,
+    size: [u32; 2],
+    projection: Projection,
+) -> Camera {
     let aspect = f64::from(size[0]) / f64::from(size[1]);
+    let fit = |bounds: &Bounds| Camera::fit_as(bounds, &facts.grid, aspect, SOUTH_AND_ABOVE, projection);
     let bounds = box_to_fit(facts, first);
-    let camera = Camera::fit(&bounds, &facts.grid, aspect);
+    let camera = fit(&bounds);
     if camera.view(&facts.grid, size, 1).is_ok() {
         return camera;
     }
     // A box of finite but absurd numbers: farther away than the grid reaches.
     let bounds = first.and_then(|batch| box_of(batch, &facts.grid)).unwrap_or(unit_box(&facts.grid));
-    Camera::fit(&bounds, &facts.grid, aspect)
+    fit(&bounds)
 }
 
 /// The headers' box, unless it is turned inside out, not finite, a single spot that the points are

@@ -5,6 +5,7 @@
 //! Outputs are checked before the work starts and get their final names only when they are complete.
 
 mod command;
+mod decorate;
 mod framing;
 mod outputs;
 mod progress;
@@ -13,7 +14,8 @@ mod run;
 mod settings;
 
 pub use command::command;
-pub use framing::{box_to_fit, default_camera};
+pub use decorate::{decorate, text_px};
+pub use framing::{box_to_fit, default_camera, default_camera_as};
 pub use outputs::{Destination, OutputError, Outputs, picture_sha256, write_npy_f32, write_npy_i64, write_png};
 pub use progress::{ProgressStyle, grouped};
 pub use report::{FileEntry, OutputPaths, Report, Seconds};

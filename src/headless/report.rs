@@ -59,7 +59,10 @@ pub struct Report {
     pub camera_given: bool,
     /// Width and height.
     pub size_px: [u32; 2],
-    pub point_size_px: u32,
+    /// Null where points have a size in the file's unit.
+    pub point_size_px: Option<u32>,
+    /// In the file's unit; null where it is in pixels.
+    pub point_size_world: Option<f64>,
     pub edl_strength: f32,
     /// As `--filter` takes them.
     pub filter: Filter,
@@ -254,7 +257,8 @@ impl Report {
             camera: settings.camera,
             camera_given: settings.camera.is_some(),
             size_px: settings.size,
-            point_size_px: settings.look.point_size,
+            point_size_px: settings.look.point_size.pixels(),
+            point_size_world: settings.look.point_size.world(),
             edl_strength: settings.look.shading.edl_strength,
             filter: settings.look.filter.clone(),
             clip: settings.look.clip.bounds.map(|bounds| bounds.to_string()),

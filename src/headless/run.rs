@@ -6,7 +6,8 @@ use std::{
 };
 
 use super::{
-    default_camera,
+    decorate::{decorate, text_px},
+    default_camera_as,
     outputs::{OutputError, picture_sha256, write_npy_f32, write_npy_i64, write_png},
     progress::{Progress, grouped},
     report::{Report, Seconds, Tally, file_entries, peak_memory_bytes},
@@ -15,7 +16,7 @@ use super::{
 use crate::{
     render::{
         Backend, CameraError, CpuBackend, FrameReport, FrameRequest, GpuBackend, Pick, PickAt, Picture, Progressive,
-        RasterChoice, RenderError,
+        RasterChoice, RenderError, overlay,
     },
     scene::{PointBatch, SceneFacts},
     source::{self, Event, OpenOptions, SourceError, SourceReport, Stream},
@@ -43,7 +44,8 @@ pub enum HeadlessError {
 /// be read; see [`Report::is_partial`].
 pub fn render(settings: &Settings) -> Result<Report, HeadlessError> {
     let (mut run, last_frame) = Run::of_all_points(settings)?;
-    let picture = run.progressive.read()?;
+    let mut picture = run.progressive.read()?;
+    run.decorate(&mut picture)?;
     run.seconds.to_picture = Some(run.now());
     run.report.points_shown = run.progressive.wait_for_points_shown()?;
     let report = run.into_report(last_frame, &picture);
@@ -241,10 +243,22 @@ impl<'a> Run<'a> {
     fn aim(&mut self, first: Option<&PointBatch>) -> Result<(), HeadlessError> {
         let (None, Some(facts)) = (&self.request, &self.facts) else { return Ok(()) };
         let settings = self.settings;
-        let camera = settings.camera.unwrap_or_else(|| default_camera(facts, first, settings.size));
+        let projection = settings.look.projection;
+        let given = settings.camera.map(|camera| camera.or_as(projection));
+        let camera = given.unwrap_or_else(|| default_camera_as(facts, first, settings.size, projection));
         let view = camera.view(&facts.grid, settings.size, settings.look.point_size)?;
         self.request = Some(FrameRequest { view, fill: settings.fill_budget(), shading: settings.look.shading });
         self.report.camera = Some(camera);
+        Ok(())
+    }
+
+    /// Draws what is asked for over the picture.
+    fn decorate(&self, picture: &mut Picture) -> Result<(), CameraError> {
+        let (decor, size) = (self.settings.look.decor, self.settings.size);
+        if let (false, Some(camera), Some(facts)) = (decor.is_empty(), &self.report.camera, &self.facts) {
+            let overlay = overlay(decor, camera, size, facts, text_px(size))?;
+            decorate(picture, &overlay, camera.projection);
+        }
         Ok(())
     }
 

@@ -12,10 +12,10 @@ use super::{
     stats::quantile,
 };
 use crate::{
-    headless::default_camera,
+    headless::default_camera_as,
     render::{
-        Backend, BackendInfo, Camera, Clip, ColorBy, FillBudget, Filter, FrameRequest, Look, PassTimes, Progressive,
-        RenderError, Shading, StoreOptions, Sums,
+        Backend, BackendInfo, Camera, ColorBy, FillBudget, FrameRequest, Look, PassTimes, PointSize, Progressive,
+        RenderError, StoreOptions, Sums,
     },
     scene::SceneFacts,
     source::SourceError,
@@ -26,18 +26,15 @@ use crate::{
 #[derive(Debug, Clone)]
 pub struct BenchFrames {
     pub size: [u32; 2],
-    pub point_size: u32,
     pub seed: u64,
     pub fill: FillBudget,
     /// Numbers of points at which loading pauses; the end of the scene is always one.
     pub at: Vec<u64>,
     /// Frames to time at each.
     pub frames: u32,
-    pub high_quality: bool,
+    pub look: Look,
     /// How positions are stored; `None`: as a viewer does.
     pub encoding: Option<Encoding>,
-    /// Its colours, and what it shows; the rest is above.
-    pub look: Look,
 }
 
 /// Frame times, milliseconds, in the order they were drawn.
@@ -83,14 +80,12 @@ pub struct BenchFramesReport {
     pub backend: BackendInfo,
     pub inputs: Vec<String>,
     pub size_px: [u32; 2],
-    pub point_size_px: u32,
+    /// How the scene was shown.
+    pub look: Look,
     /// How colours were summed up for high-quality shading; none without it.
     pub high_quality: Option<Sums>,
     pub color_by: ColorBy,
-    /// As `--filter` takes them.
-    pub filter: Filter,
-    pub clip: Clip,
-    /// Points that these show once all are loaded.
+    /// Points that its filter shows once all are loaded.
     pub points_shown: Option<u64>,
     pub seed: u64,
     /// Points per second of the reader alone, without a GPU; only for files.
@@ -138,17 +133,16 @@ pub fn bench_frames(
     let backend_sums = backend.sums();
     let options = StoreOptions { seed: settings.seed, ..Default::default() };
     let mut run = Run { settings, progressive: Progressive::new(backend, options), scene: None, frame: 0 };
+    run.progressive.set_filter(&settings.look.filter, &settings.look.clip);
     let mut report = BenchFramesReport {
         program: concat!("firstlight ", env!("CARGO_PKG_VERSION")).into(),
         backend: info,
         inputs: vec![],
         size_px: settings.size,
-        point_size_px: settings.point_size,
-        high_quality: settings.high_quality.then_some(backend_sums),
+        high_quality: settings.look.shading.high_quality.then_some(backend_sums),
         color_by: settings.look.coloring.by.clone(),
-        filter: settings.look.filter.clone(),
-        clip: settings.look.clip,
         points_shown: None,
+        look: settings.look.clone(),
         seed: settings.seed,
         decoded_points_per_sec,
         secs_to_first_picture: 0.0,
@@ -173,7 +167,7 @@ pub fn bench_frames(
                     run.progressive.set_coloring(&settings.look.coloring);
                     run.progressive.set_filter(&settings.look.filter, &settings.look.clip);
                     run.progressive.carry(settings.look.attributes());
-                    let camera = default_camera(&facts, None, settings.size);
+                    let camera = default_camera_as(&facts, None, settings.size, settings.look.projection);
                     run.scene = Some((facts, camera));
                 }
                 Fed::Batch(batch) => run.progressive.offer(batch),
@@ -218,9 +212,8 @@ impl Run<'_> {
         let Some((facts, camera)) = &self.scene else { return Ok(None) };
         let camera = camera.turned(self.frame.into());
         self.frame += 1;
-        let view = camera.view(&facts.grid, self.settings.size, self.settings.point_size)?;
-        let shading = Shading { high_quality: self.settings.high_quality, ..Default::default() };
-        Ok(Some(FrameRequest { view, fill: self.settings.fill, shading }))
+        let view = camera.view(&facts.grid, self.settings.size, self.settings.look.point_size)?;
+        Ok(Some(FrameRequest { view, fill: self.settings.fill, shading: self.settings.look.shading }))
     }
 
     /// Draws the next frame to its end. Without points there is nothing to time.
@@ -284,17 +277,21 @@ impl Run<'_> {
 pub fn markdown(report: &BenchFramesReport) -> String {
     let mut out = String::new();
     let [width, height] = report.size_px;
+    let points = match report.look.point_size {
+        PointSize::Pixels(pixels) => format!("{pixels} px"),
+        world => world.to_string(),
+    };
     let mut line = |text: String| {
         // Writing to a string cannot fail.
         let _ = writeln!(out, "{text}");
     };
     line(format!(
-        "{} ({}), {}, {} positions, {width}x{height}, {} px points{}, coloured by {}; {}",
+        "{} ({}), {}, {} positions, {width}x{height}, {} points{}, coloured by {}; {}",
         report.backend.adapter,
         report.backend.api,
         report.backend.method,
         report.backend.encoding.name(),
-        report.point_size_px,
+        points,
         report.high_quality.map(|sums| format!(", high quality ({sums})")).unwrap_or_default(),
         report.color_by,
         report.inputs.join(", ")

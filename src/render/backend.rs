@@ -5,12 +5,12 @@ use std::{ops::Range, sync::Arc};
 use serde::{Deserialize, Serialize};
 
 use super::{
-    camera::View,
     choice::Choice,
     color::PointColors,
     column::{ColumnId, Keys},
     filter::MaskRules,
     pick::{Pick, PickAt, PickTicket},
+    view::View,
 };
 use crate::{
     device::{PassTimes, Passes, Raster, RenderError},
@@ -119,11 +119,14 @@ pub struct Shading {
     /// High-quality shading (Schütz and Wimmer 2019): a pixel shows the mean colour of all points within
     /// 1 % behind its front depth. Twice the work on points; off by default.
     pub high_quality: bool,
+    /// Small holes in surfaces take the colour of a point beside them.
+    #[serde(default)]
+    pub fill_holes: bool,
 }
 
 impl Default for Shading {
     fn default() -> Self {
-        Shading { edl_strength: 0.4, background: [24, 28, 34], high_quality: false }
+        Shading { edl_strength: 0.4, background: [24, 28, 34], high_quality: false, fill_holes: false }
     }
 }
 

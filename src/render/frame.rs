@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{backend::Shading, budget::FillBudget, camera::View};
+use super::{backend::Shading, budget::FillBudget, view::View};
 #[cfg(doc)]
 use crate::store::MAX_INSERTION_POINTS;
 use crate::store::SlotOrder;

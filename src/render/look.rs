@@ -4,24 +4,30 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     backend::Shading,
+    camera::Projection,
     coloring::Coloring,
+    decor::Decor,
     filter::{Clip, Filter},
+    point_size::PointSize,
 };
 use crate::scene::Attribute;
 
 /// How a scene is shown: what the window's controls set, and the options of `render` of the same names. The camera
 /// and the size of the picture are not part of it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Look {
-    /// Width of a point, pixels, 1 to 8.
-    pub point_size: u32,
+    pub point_size: PointSize,
+    /// What a camera is made with; one that was given keeps its own if that is orthographic.
+    pub projection: Projection,
     pub shading: Shading,
     pub coloring: Coloring,
     /// Which points are shown, by their attributes.
     pub filter: Filter,
     /// Which part of space is shown.
     pub clip: Clip,
+    /// What is drawn over the picture.
+    pub decor: Decor,
 }
 
 impl Look {
@@ -39,17 +45,5 @@ impl Look {
     /// Neither a filter nor a clipping box or slab hides any point.
     pub fn shows_all(&self) -> bool {
         self.filter.clauses.is_empty() && self.clip == Clip::default()
-    }
-}
-
-impl Default for Look {
-    fn default() -> Self {
-        Look {
-            point_size: 1,
-            shading: Shading::default(),
-            coloring: Coloring::default(),
-            filter: Filter::default(),
-            clip: Clip::default(),
-        }
     }
 }

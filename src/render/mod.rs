@@ -18,27 +18,32 @@ mod color;
 mod coloring;
 mod column;
 mod cpu;
+mod decor;
 mod filter;
 mod frame;
 mod gpu;
 mod histogram;
+mod holes;
 mod in_motion;
 mod keys;
 mod legend;
+mod lens;
 mod look;
 mod paint;
 mod pick;
+mod point_size;
 mod progressive;
 mod progressive_values;
 mod scale;
 mod selection;
 mod shading;
 mod values;
+mod view;
 
 pub use crate::device::{PassTimes, Passes, Raster, RenderError};
 pub use backend::{Averaging, Backend, BackendInfo, FramePlan, Picture, Shading, Sums};
 pub use budget::{BudgetController, FillBudget};
-pub use camera::{Camera, CameraError, Projected, View};
+pub use camera::{Camera, CameraError, Projection, SOUTH_AND_ABOVE};
 pub use choice::{
     Candidate, Choice, Clock, GROUP_SIZES, MARGIN, Measured, Measurement, RasterChoice, Speed, Why, best,
 };
@@ -48,15 +53,20 @@ pub use coloring::{
 };
 pub use column::{ColumnColors, ColumnId, Keys, Lookup};
 pub use cpu::{CpuBackend, list_visible};
+pub use decor::{Decor, Line, Overlay, overlay, unit_name};
 pub use filter::{
     Clause, ClauseError, Clip, ClipBox, ClipError, Filter, Key, MaskRules, Place, Slab, Test, Values, ValuesError,
 };
 pub use frame::{FrameReport, FrameRequest, INSERTION_POINTS, Reprojection, StoreOptions};
 pub use gpu::{ColorTablesUniform, ColumnScaleUniform, GpuBackend, PickWords, ShadingUniform};
 pub use histogram::{AttributeStats, Histogram};
+pub use holes::{MASK as HOLE_MASK, REACH as HOLE_REACH, source as hole_source};
 pub use legend::{Legend, LegendClass, LegendKey, Tick};
+pub use lens::Lens;
 pub use look::Look;
 pub use pick::{MAX_REACH, Pick, PickAt, PickTicket};
+pub use point_size::{MAX_PX, MAX_WORLD_PX, PointSize};
 pub use progressive::Progressive;
 pub use scale::{Scale, Transfer, key_of, value_of};
 pub use shading::{AVERAGED_DEPTH, EDL_GAIN, MOST_FRAGMENTS};
+pub use view::{Projected, View};

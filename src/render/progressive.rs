@@ -6,13 +6,13 @@ use super::{
     averages::Averages,
     backend::{Averaging, Backend, FramePlan, Picture, Shading},
     budget::{BudgetController, FillBudget},
-    camera::View,
     color::PointColors,
     coloring::Coloring,
     frame::{FrameReport, FrameRequest, MAX_POINTS, Reprojection, StoreOptions},
     pick::{MAX_REACH, Pick, PickAt, PickTicket},
     selection::Selection,
     values::Values,
+    view::View,
 };
 use crate::{
     device::{PassTimes, Passes, Raster, RenderError},

@@ -1,7 +1,7 @@
 //! Lighting and averaging in numbers, shared by the backends.
 //!
 //! High-quality shading (Schütz and Wimmer 2019): a pixel shows the mean colour of all fragments that lie
-//! no more than [`AVERAGED_DEPTH`] times as far as its front.
+//! no more than [`AVERAGED_DEPTH`] times as far as its front, in the same sense.
 //!
 //! Eye-dome lighting (Boucheny 2009): a pixel is darkened by how far it lies behind its neighbours.
 //! Twin of `edl_shade` in `shaders/light.wgsl`.
@@ -16,7 +16,9 @@
 //! ```
 //!
 //! Logarithms make the effect independent of the distance and of the file's unit. The product needs
-//! one of them per pixel, the sum nine.
+//! one of them per pixel, the sum nine. Without perspective a step looks as high wherever it is: `z / zₙ` becomes
+//! `1 + (z − zₙ) / z₆₀`, where `z₆₀` is the depth at which a perspective picture of 60° is as high. At the target
+//! both projections light alike.
 
 /// Scale of [`Shading::edl_strength`](super::Shading::edl_strength), chosen so that the default
 /// strength outlines a statue and the ridges of a drone survey and leaves level ground its colours; a
@@ -32,9 +34,9 @@ pub fn edl_neighbours(point_size: u32) -> [[isize; 2]; 8] {
 /// No product exceeds this, so that none becomes infinite; the pixel is black long before.
 const EDL_LIMIT: f32 = 1e30;
 
-/// The product for one more neighbour.
-pub fn edl_product(product: f32, depth: f32, neighbour: f32) -> f32 {
-    (product * (depth / neighbour).max(1.0)).min(EDL_LIMIT)
+/// The product for one more neighbour, than which the pixel is so many times as far.
+pub fn edl_product(product: f32, times_as_far: f32) -> f32 {
+    (product * times_as_far.max(1.0)).min(EDL_LIMIT)
 }
 
 /// What the colour of a pixel with this product is multiplied by; 1 for strength 0.

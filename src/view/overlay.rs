@@ -10,7 +10,7 @@ use super::{
     navigation::StandardView,
     settings::Settings,
 };
-use crate::render::{Choice, Clock};
+use crate::render::{Choice, Clock, PointSize};
 
 /// Sizes of points that the controls offer.
 pub const POINT_SIZES: std::ops::RangeInclusive<u32> = 1..=8;
@@ -231,8 +231,9 @@ fn controls(ui: &mut Ui, settings: &mut Settings) -> Option<StandardView> {
         .on_hover_text("High quality: mean colour of all points within 1 % of the nearest (B)");
     ui.checkbox(&mut settings.edl, small("shading")).on_hover_text("Eye-dome lighting (L)");
     ui.spacing_mut().slider_width = 64.0;
-    ui.add(Slider::new(&mut settings.look.point_size, POINT_SIZES).suffix(" px"))
-        .on_hover_text("Size of points ([ and ])");
+    if let PointSize::Pixels(pixels) = &mut settings.look.point_size {
+        ui.add(Slider::new(pixels, POINT_SIZES).suffix(" px")).on_hover_text("Size of points ([ and ])");
+    }
     asked
 }
 

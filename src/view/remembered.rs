@@ -203,7 +203,13 @@ mod tests {
     use crate::render::{Camera, Clause};
 
     fn camera() -> Camera {
-        Camera { eye: [0.0; 3], target: [0.0, 1.0, 0.0], up: [0.0, 0.0, 1.0], fov_y_deg: 60.0 }
+        Camera {
+            eye: [0.0; 3],
+            target: [0.0, 1.0, 0.0],
+            up: [0.0, 0.0, 1.0],
+            fov_y_deg: 60.0,
+            projection: Default::default(),
+        }
     }
 
     #[test]

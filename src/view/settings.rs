@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use eframe::egui::ThemePreference;
 use serde::{Deserialize, Serialize};
 
-use super::{Options, keys::Command, overlay::POINT_SIZES, remembered::Remembered};
+use super::{Options, keys::Command, remembered::Remembered};
 use crate::render::{Clip, Filter, Look, Shading};
 
 #[derive(Debug, Clone, PartialEq)]
@@ -133,8 +133,7 @@ impl Settings {
 
     /// Larger or smaller points.
     pub fn change_point_size(&mut self, by: i32) {
-        let size = self.look.point_size.saturating_add_signed(by);
-        self.look.point_size = size.clamp(*POINT_SIZES.start(), *POINT_SIZES.end());
+        self.look.point_size = self.look.point_size.stepped(by);
     }
 }
 
@@ -156,7 +155,7 @@ mod tests {
     use super::*;
 
     fn remembered() -> Remembered {
-        let mut look = Look { point_size: 5, ..Default::default() };
+        let mut look = Look { point_size: 5.into(), ..Default::default() };
         look.shading.high_quality = true;
         let mut remembered = Remembered { edl: false, ..Default::default() };
         remembered.set_look(&look);
@@ -166,19 +165,19 @@ mod tests {
     #[test]
     fn the_command_line_wins_over_what_is_remembered() {
         let nothing_given = Settings::new(&Options::default(), &remembered());
-        assert_eq!((nothing_given.look.point_size, nothing_given.edl), (5, false));
+        assert_eq!((nothing_given.look.point_size, nothing_given.edl), (5.into(), false));
         assert!(nothing_given.look.shading.high_quality);
-        let look = Look { point_size: 2, ..Default::default() };
+        let look = Look { point_size: 2.into(), ..Default::default() };
         let options = Options { look, given: vec!["/point_size", "/shading/edl_strength"], ..Default::default() };
         let given = Settings::new(&options, &remembered());
-        assert_eq!((given.look.point_size, given.edl), (2, true));
+        assert_eq!((given.look.point_size, given.edl), (2.into(), true));
         assert!(given.look.shading.high_quality, "what was not given is as it was");
     }
 
     #[test]
     fn what_is_set_is_what_is_remembered() {
         let mut settings = Settings::new(&Options::default(), &Remembered::default());
-        settings.look.point_size = 4;
+        settings.look.point_size = 4.into();
         settings.panel = false;
         settings.sections = [Section::Messages].into();
         settings.theme = Theme::Light;

@@ -81,6 +81,12 @@ impl Cloud {
         self
     }
 
+    /// Other points, on the same grid.
+    pub fn replace(&mut self, positions: Vec<[i32; 3]>) {
+        self.positions = positions;
+        self.promise();
+    }
+
     /// Every `nth` point, from the first `from` on, lies where no header promised it, kilometres away on one axis or
     /// another; the promise stays.
     pub fn with_outliers(mut self, from: usize, nth: usize) -> Cloud {

@@ -18,6 +18,7 @@ mod filter;
 mod filter_counts;
 mod filter_values;
 mod high_quality;
+mod looks;
 mod pick;
 mod projection;
 mod shaders;

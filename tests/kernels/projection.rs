@@ -2,8 +2,8 @@
 //! another pixel, and how far their depths are off.
 
 use firstlight::{
-    render::{Camera, CameraError, View},
-    scene::Grid,
+    render::{Camera, CameraError, Projection, View},
+    scene::{Bounds, Grid},
 };
 
 const SIZE: [u32; 2] = [800, 600];
@@ -24,13 +24,18 @@ fn reference(camera: &Camera, world: [f64; 3]) -> Option<([i32; 2], f64)> {
     let depth = dot(at, forward);
     let tan = (camera.fov_y_deg.to_radians() / 2.0).tan();
     let (width, height) = (f64::from(SIZE[0]), f64::from(SIZE[1]));
-    let x = (dot(at, right) / (depth * tan * width / height) * 0.5 + 0.5) * width;
-    let y = (dot(at, up) / (depth * tan) * -0.5 + 0.5) * height;
+    let along = match camera.projection {
+        Projection::Perspective => depth,
+        Projection::Orthographic => dot(sub(camera.target, camera.eye), forward),
+    };
+    let x = (dot(at, right) / (along * tan * width / height) * 0.5 + 0.5) * width;
+    let y = (dot(at, up) / (along * tan) * -0.5 + 0.5) * height;
     let inside = depth > 0.0 && (0.0..width).contains(&x) && (0.0..height).contains(&y);
     inside.then(|| ([x.floor() as i32, y.floor() as i32], depth))
 }
 
 /// A scan of `extent` grid steps at `scale`, centred on `center` (in steps), seen from `eye_steps` away.
+#[derive(Clone, Copy)]
 struct Case {
     name: &'static str,
     scale: f64,
@@ -79,12 +84,17 @@ fn noise(i: u32, k: u32) -> u32 {
 
 /// Points of which one projection has another pixel (or none), of those that any has in the picture;
 /// and the largest relative difference of depths beyond what the rounding of the eye explains.
-fn compare(case: &Case, project: impl Fn(&View, [i32; 3]) -> Option<([i32; 2], f32)>) -> (u32, u32, f64) {
+fn compare(
+    case: &Case,
+    projection: Projection,
+    project: impl Fn(&View, [i32; 3]) -> Option<([i32; 2], f32)>,
+) -> (u32, u32, f64) {
     let grid = Grid { scale: [case.scale; 3], origin: case.origin };
     let place =
         |steps: [f64; 3]| std::array::from_fn(|a| case.origin[a] + case.scale * (f64::from(case.center[a]) + steps[a]));
     let target = if case.eye_steps.iter().all(|c| c.abs() < 1.0) { [5e4, 5e4, 1e3] } else { [0.0; 3] };
-    let camera = Camera { eye: place(case.eye_steps), target: place(target), up: [0.0, 0.0, 1.0], fov_y_deg: 60.0 };
+    let camera =
+        Camera { eye: place(case.eye_steps), target: place(target), up: [0.0, 0.0, 1.0], fov_y_deg: 60.0, projection };
     let view = camera.view(&grid, SIZE, 1).unwrap();
     let (mut seen, mut other, mut depth_error) = (0, 0, 0.0_f64);
     for i in 0..POINTS {
@@ -98,7 +108,10 @@ fn compare(case: &Case, project: impl Fn(&View, [i32; 3]) -> Option<([i32; 2], f
         if let (Some(ours), Some(theirs)) = (ours, theirs) {
             let eye_rounding = 3f64.sqrt() / 8192.0 * case.scale;
             let error = (f64::from(ours.1) - theirs.1).abs() - eye_rounding;
-            depth_error = depth_error.max(error / theirs.1);
+            // Without perspective positions are taken from the target: numbers as large as its depth cancel.
+            let distance = camera.height_at_target() / (2.0 * 30f64.to_radians().tan());
+            let of = if projection == Projection::Perspective { theirs.1 } else { theirs.1.max(distance) };
+            depth_error = depth_error.max(error / of);
         }
     }
     (seen, other, depth_error)
@@ -106,9 +119,11 @@ fn compare(case: &Case, project: impl Fn(&View, [i32; 3]) -> Option<([i32; 2], f
 
 #[test]
 fn agrees_with_f64() {
-    for case in cases() {
-        let (seen, other, depth_error) = compare(&case, |view, p| view.project(p).map(|p| (p.corner, p.depth)));
-        println!("{}: {other} of {seen} points in another pixel, depth off by {depth_error:.1e}", case.name);
+    let both = [Projection::Perspective, Projection::Orthographic];
+    for (case, projection) in cases().into_iter().flat_map(|case| both.map(|projection| (case, projection))) {
+        let project = |view: &View, p| view.project(p).map(|p| (p.corner, p.depth));
+        let (seen, other, depth_error) = compare(&case, projection, project);
+        println!("{}, {projection:?}: {other} of {seen} in another pixel, depth off by {depth_error:.1e}", case.name);
         assert!(seen > POINTS / 20, "{}: {seen} points in the picture", case.name);
         assert!(f64::from(other) < 1.0 + case.per_million * 1e-6 * f64::from(seen), "{}: {other} of {seen}", case.name);
         assert!(depth_error < 5e-7, "{}", case.name);
@@ -119,7 +134,7 @@ fn agrees_with_f64() {
 #[test]
 fn a_projection_of_rounded_coordinates_does_not() {
     let case = &cases()[2];
-    let (seen, other, _) = compare(case, |view, p| {
+    let (seen, other, _) = compare(case, Projection::Perspective, |view, p| {
         let rounded = p.map(|c| c as f32 as i32);
         view.project(rounded).map(|p| (p.corner, p.depth))
     });
@@ -133,7 +148,7 @@ fn one_subtraction_gives_the_bits_of_two() {
     let grid = Grid { scale: [1.0; 3], origin: [0.0; 3] };
     let at = |eye: [f64; 3]| {
         let target = [eye[0], eye[1] + 1000.0, eye[2]];
-        Camera { eye, target, up: [0.0, 0.0, 1.0], fov_y_deg: 60.0 }.view(&grid, SIZE, 1).unwrap()
+        Camera { eye, target, up: [0.0, 0.0, 1.0], fov_y_deg: 60.0, ..Default::default() }.view(&grid, SIZE, 1).unwrap()
     };
     for (eye, low, high, expected) in [
         (0.0, i32::MIN, i32::MAX, true),
@@ -164,7 +179,13 @@ fn one_subtraction_gives_the_bits_of_two() {
 #[test]
 fn degenerate_cameras() {
     let grid = Grid { scale: [0.001; 3], origin: UTM };
-    let good = Camera { eye: UTM, target: [500_010.0, 5_000_000.0, 300.0], up: [0.0, 0.0, 1.0], fov_y_deg: 60.0 };
+    let good = Camera {
+        eye: UTM,
+        target: [500_010.0, 5_000_000.0, 300.0],
+        up: [0.0, 0.0, 1.0],
+        fov_y_deg: 60.0,
+        ..Default::default()
+    };
     let view = |camera: Camera| camera.view(&grid, SIZE, 1);
     assert!(view(good).is_ok());
     assert_eq!(view(Camera { target: good.eye, ..good }), Err(CameraError::NoDirection));
@@ -194,5 +215,63 @@ fn degenerate_cameras() {
     for fov_y_deg in [1e-3, 179.999] {
         let center = view(Camera { fov_y_deg, ..good }).unwrap().project([10_000, 0, 0]);
         assert!(center.is_some_and(|p| (p.corner[0] - 400).abs() <= 1));
+    }
+}
+
+/// Without perspective the eye's distance decides nothing but the depth, however far it is.
+#[test]
+fn a_far_eye_keeps_the_orthographic_picture() {
+    let grid = Grid { scale: [0.001; 3], origin: UTM };
+    let near = Camera {
+        eye: [UTM[0] + 3.0, UTM[1] - 9.0, UTM[2] + 4.0],
+        target: UTM,
+        projection: Projection::Orthographic,
+        ..Default::default()
+    };
+    let height = near.height_at_target();
+    let of = |camera: &Camera| {
+        let view = camera.view(&grid, SIZE, 1).unwrap();
+        move |p| view.project(p).map(|p| p.corner)
+    };
+    let picture = of(&near);
+    for share in [1.01, 10.0, 1e4] {
+        // As if something lay so far behind the eye.
+        let back = [0, 1, 2].map(|a| UTM[a] + share * (near.eye[a] - UTM[a]));
+        let far = near.before(&Bounds { min: back, max: back });
+        assert!((far.height_at_target() / height - 1.0).abs() < 1e-9, "{share}");
+        let (mut seen, mut other) = (0, 0);
+        let far_picture = of(&far);
+        for i in 0..20_000 {
+            let position = [0, 1, 2].map(|a| (noise(i, a) % 4000) as i32 - 2000);
+            seen += u32::from(picture(position).is_some());
+            other += u32::from(picture(position) != far_picture(position));
+        }
+        assert!(seen > 10_000 && other < 10, "{share}: {other} of {seen} points in another pixel");
+        let view = far.view(&grid, SIZE, 1).unwrap();
+        let depth = view.project([0, 0, 0]).expect("the target is in the middle").depth;
+        assert!(f64::from(depth) > 10.0 * share, "the target is {depth} from the eye");
+    }
+    let perspective = Camera { projection: Projection::Perspective, ..near };
+    assert_eq!(perspective.before(&Bounds { min: [-1e9; 3], max: [1e9; 3] }), perspective);
+    assert_ne!(of(&perspective)([500, 700, 900]), picture([500, 700, 900]));
+    // What lies behind the eye is not drawn.
+    let behind = grid.steps(near.eye.map(|x| x + 0.0)).map(|s| (1.1 * s) as i32);
+    assert_eq!((picture(behind), picture(behind.map(|s| s * 8 / 10)).is_some()), (None, true));
+}
+
+#[test]
+fn a_fitted_orthographic_camera_shows_all_of_the_box() {
+    let grid = Grid { scale: [0.01; 3], origin: [0.0; 3] };
+    // A tower, a long street, and a single point.
+    for max in [[10.0, 10.0, 300.0], [2000.0, 3.0, 2.0], [0.0; 3]] {
+        let bounds = Bounds { min: [0.0; 3], max };
+        for from in [[0.35, -1.0, 0.75], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, -1.0, 0.0]] {
+            let camera = Camera::fit_as(&bounds, &grid, 4.0 / 3.0, from.into(), Projection::Orthographic);
+            let view = camera.view(&grid, SIZE, 1).unwrap();
+            for corner in 0..8 {
+                let position = [0, 1, 2].map(|a| if corner >> a & 1 == 0 { 0 } else { (max[a] * 100.0) as i32 });
+                assert!(view.project(position).is_some(), "{max:?} from {from:?}: {position:?} is outside");
+            }
+        }
     }
 }

@@ -62,13 +62,20 @@ pub fn stacked(points: usize) -> Cloud {
 
 /// From the south and above; the whole of [`cube`] is in the picture.
 pub fn overview(size: [u32; 2]) -> View {
-    let camera = Camera { eye: [3.001_5, -25.0, 11.0], target: [0.0; 3], up: [0.0, 0.0, 1.0], fov_y_deg: 60.0 };
+    let camera = Camera {
+        eye: [3.001_5, -25.0, 11.0],
+        target: [0.0; 3],
+        up: [0.0, 0.0, 1.0],
+        fov_y_deg: 60.0,
+        ..Default::default()
+    };
     camera.view(&GRID, size, 1).unwrap()
 }
 
 /// From the middle of [`cube`]: half of it is behind the eye.
 pub fn inside(size: [u32; 2]) -> View {
-    let camera = Camera { eye: [0.0; 3], target: [1.0, 2.0, 0.1], up: [0.0, 0.0, 1.0], fov_y_deg: 60.0 };
+    let camera =
+        Camera { eye: [0.0; 3], target: [1.0, 2.0, 0.1], up: [0.0, 0.0, 1.0], fov_y_deg: 60.0, ..Default::default() };
     camera.view(&GRID, size, 1).unwrap()
 }
 
@@ -79,6 +86,7 @@ pub fn along_y(size: [u32; 2], distance: f64) -> View {
         target: [0.000_3, 1000.0, 0.000_3],
         up: [0.0, 0.0, 1.0],
         fov_y_deg: 60.0,
+        ..Default::default()
     };
     camera.view(&GRID, size, 1).unwrap()
 }

@@ -115,6 +115,7 @@ experiments! {
     degenerate "degenerate",
     exposure "exposure",
     starved_fill "starved-fill",
+    holes "holes",
 }
 
 #[test]

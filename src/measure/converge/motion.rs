@@ -66,6 +66,7 @@ impl Motion {
                     target: mix(a.target, b.target),
                     up: mix(a.up, b.up),
                     fov_y_deg: a.fov_y_deg + share * (b.fov_y_deg - a.fov_y_deg),
+                    projection: a.projection,
                 }
             }
         }
@@ -173,7 +174,13 @@ mod tests {
     use super::*;
 
     fn start() -> Camera {
-        Camera { eye: [0.0, -100.0, 50.0], target: [0.0; 3], up: [0.0, 0.0, 1.0], fov_y_deg: 60.0 }
+        Camera {
+            eye: [0.0, -100.0, 50.0],
+            target: [0.0; 3],
+            up: [0.0, 0.0, 1.0],
+            fov_y_deg: 60.0,
+            ..Default::default()
+        }
     }
 
     fn distance(camera: &Camera) -> f64 {

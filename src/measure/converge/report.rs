@@ -214,7 +214,13 @@ impl ConvergeReport {
             motion_frames: 4,
             load: Some(100),
             metres_per_unit: Some(1.0),
-            camera: Camera { eye: [0.0, -1.0, 0.0], target: [0.0; 3], up: [0.0, 0.0, 1.0], fov_y_deg: 60.0 },
+            camera: Camera {
+                eye: [0.0, -1.0, 0.0],
+                target: [0.0; 3],
+                up: [0.0, 0.0, 1.0],
+                fov_y_deg: 60.0,
+                ..Default::default()
+            },
             phases: vec!["loading".into(), "still".into(), "orbit".into(), "after orbit".into()],
             runs: Vec::new(),
             checks: Vec::new(),

@@ -121,7 +121,7 @@ impl Counts {
 /// Adds a point to the pixels that it covers.
 fn count(view: &View, position: [i32; 3], totals: &[AtomicU64], nearest: &[AtomicU64]) {
     let Some(point) = view.project(position) else { return };
-    let size = view.point_size as i32;
+    let size = point.size as i32;
     let depth = u64::from(point.depth.to_bits()) << 32;
     let clip = |at: i32, end: u32| at.max(0) as usize..(at + size).clamp(0, end as i32) as usize;
     for y in clip(point.corner[1], view.height) {
@@ -169,7 +169,13 @@ mod tests {
     }
 
     fn view(size: [u32; 2], point_size: u32) -> View {
-        let camera = Camera { eye: [0.0, -10.0, 0.0], target: [0.0; 3], up: [0.0, 0.0, 1.0], fov_y_deg: 60.0 };
+        let camera = Camera {
+            eye: [0.0, -10.0, 0.0],
+            target: [0.0; 3],
+            up: [0.0, 0.0, 1.0],
+            fov_y_deg: 60.0,
+            ..Default::default()
+        };
         camera.view(&Grid { scale: [0.01; 3], origin: [0.0; 3] }, size, point_size).unwrap()
     }
 

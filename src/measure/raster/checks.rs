@@ -108,7 +108,13 @@ mod tests {
     /// One block of a hundred metres' distance in which a method came out like this.
     fn report(method: &str, accuracy: Accuracy, fragments: u64) -> RasterReport {
         let method = by_name(method).unwrap();
-        let camera = Camera { eye: [0.0, 0.0, 100.0], target: [0.0; 3], up: [0.0, 1.0, 0.0], fov_y_deg: 60.0 };
+        let camera = Camera {
+            eye: [0.0, 0.0, 100.0],
+            target: [0.0; 3],
+            up: [0.0, 1.0, 0.0],
+            fov_y_deg: 60.0,
+            ..Default::default()
+        };
         let block = Block {
             order: Order::Original,
             view: "overview".into(),

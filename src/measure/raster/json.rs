@@ -117,7 +117,7 @@ mod tests {
             give_ups: 0,
         };
         let eye = [1.0 / 3.0, 2e6 / 7.0, 100.0];
-        let camera = Camera { eye, target: [0.0; 3], up: [0.0, 1.0, 0.0], fov_y_deg: 60.0 };
+        let camera = Camera { eye, target: [0.0; 3], up: [0.0, 1.0, 0.0], fov_y_deg: 60.0, ..Default::default() };
         for i in 0..32 {
             let samples = (0..20).map(|k| Sample::new(k / 7 + 1, &frame(0.015 + 1e-5 * f64::from(k)))).collect();
             let mut row =

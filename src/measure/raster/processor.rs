@@ -294,7 +294,8 @@ mod tests {
             assert_eq!(processor.compare(&drawn, Arranged::from(&cloud)), Agreement::default());
         }
         let grid = Grid { scale: [0.001; 3], origin: [0.0; 3] };
-        let camera = Camera { eye: [9.0; 3], target: [8.0; 3], up: [0.0, 0.0, 1.0], fov_y_deg: 60.0 };
+        let camera =
+            Camera { eye: [9.0; 3], target: [8.0; 3], up: [0.0, 0.0, 1.0], fov_y_deg: 60.0, ..Default::default() };
         let view = camera.view(&grid, SIZE, 1).unwrap();
         assert_eq!(Processor::of(&cloud, &view).covered(), 0);
     }

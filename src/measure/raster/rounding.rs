@@ -110,7 +110,7 @@ pub(super) mod tests {
         };
         let (mut used, mut seen) = (0.0_f64, 0);
         for eye in [[3.0015, -25.0, 11.0], [1e6, -1e6, 5e5], [0.0123, 0.5, 0.25], [-4e3, 9e3, 700.0]] {
-            let camera = Camera { eye, target: [0.0; 3], up: [0.0, 0.0, 1.0], fov_y_deg: 60.0 };
+            let camera = Camera { eye, target: [0.0; 3], up: [0.0, 0.0, 1.0], fov_y_deg: 60.0, ..Default::default() };
             let view = camera.view(&grid, [1920, 1080], 1).unwrap();
             for side in [2000, 100_000, 30_000_000] {
                 for _ in 0..20_000 {

@@ -31,7 +31,7 @@ impl Stack {
     }
 
     fn camera() -> Camera {
-        Camera { eye: [0.0; 3], target: [0.0, 0.0, -1.0], up: [0.0, 1.0, 0.0], fov_y_deg: 60.0 }
+        Camera { eye: [0.0; 3], target: [0.0, 0.0, -1.0], up: [0.0, 1.0, 0.0], fov_y_deg: 60.0, ..Default::default() }
     }
 
     /// The camera's numbers for [`Stack::cloud`].

@@ -35,7 +35,13 @@ pub fn many_fragments(setup: &Setup) -> Result<Outcome, StabilityError> {
         }
     }
     let place = |y: f64| [0.0, y, 0.0];
-    let camera = Camera { eye: place(-distance), target: place(distance), up: [0.0, 0.0, 1.0], fov_y_deg: 60.0 };
+    let camera = Camera {
+        eye: place(-distance),
+        target: place(distance),
+        up: [0.0, 0.0, 1.0],
+        fov_y_deg: 60.0,
+        ..Default::default()
+    };
     let view = camera.view(&MILLIMETRES, SIZE, 1)?;
     // For each height the largest error of a channel, in levels, and the picture.
     let errors = |name: &'static str| {

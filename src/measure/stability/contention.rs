@@ -25,7 +25,7 @@ fn chosen(gpu: &Gpu) -> &'static str {
 }
 
 fn camera() -> Camera {
-    Camera { eye: [0.0, -100.0, 0.0], target: [0.0; 3], up: [0.0, 0.0, 1.0], fov_y_deg: 60.0 }
+    Camera { eye: [0.0, -100.0, 0.0], target: [0.0; 3], up: [0.0, 0.0, 1.0], fov_y_deg: 60.0, ..Default::default() }
 }
 
 /// A frame that is so many times its usual time has exploded.

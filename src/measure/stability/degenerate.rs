@@ -28,7 +28,8 @@ fn clouds() -> [(&'static str, Vec<[i32; 3]>); 5] {
 
 /// Poses that no camera has, and some that are only odd.
 fn poses() -> Vec<(&'static str, Camera)> {
-    let good = Camera { eye: [0.0, -10.0, 2.0], target: [0.0; 3], up: [0.0, 0.0, 1.0], fov_y_deg: 60.0 };
+    let good =
+        Camera { eye: [0.0, -10.0, 2.0], target: [0.0; 3], up: [0.0, 0.0, 1.0], fov_y_deg: 60.0, ..Default::default() };
     let nan = f64::NAN;
     vec![
         ("eye not a number", Camera { eye: [nan, 0.0, 0.0], ..good }),

@@ -113,7 +113,13 @@ pub fn planes_apart(setup: &Setup) -> Result<Outcome, StabilityError> {
     for distance in DISTANCES_M {
         let cloud = planes(distance);
         let at = |y: f64| [0.0, y, 0.0];
-        let camera = Camera { eye: at(-distance), target: at(distance), up: [0.0, 0.0, 1.0], fov_y_deg: 60.0 };
+        let camera = Camera {
+            eye: at(-distance),
+            target: at(distance),
+            up: [0.0, 0.0, 1.0],
+            fov_y_deg: 60.0,
+            ..Default::default()
+        };
         let view = camera.view(&MILLIMETRES, SIZE, 1)?;
         let quantity = format!("share of pixels with the plane behind, from {distance} m");
         for (depth, line) in all.iter().zip(&mut lines) {

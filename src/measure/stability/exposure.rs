@@ -45,7 +45,8 @@ fn wall(points: u32, store: impl Fn(u8) -> u16) -> (Scene, Vec<[u8; 3]>) {
 
 pub fn exposure(setup: &Setup) -> Result<Outcome, StabilityError> {
     let points = setup.pick(30_000, 120_000);
-    let camera = Camera { eye: [0.0, -8.0, 0.0], target: [0.0; 3], up: [0.0, 0.0, 1.0], fov_y_deg: 60.0 };
+    let camera =
+        Camera { eye: [0.0, -8.0, 0.0], target: [0.0; 3], up: [0.0, 0.0, 1.0], fov_y_deg: 60.0, ..Default::default() };
     // What a file holds of a level, and the level that is then right to show.
     let eight = |level: u8| u16::from(level);
     let sixteen = |level: u8| u16::from(level) * 256;

@@ -30,6 +30,7 @@
 //! ties        equal depths
 //! degenerate  clouds without extent, poses without numbers
 //! exposure    colours of 8 and of 16 bits
+//! holes       what hole filling gets right and wrong
 //! ```
 
 mod averages;
@@ -40,6 +41,7 @@ mod depth;
 mod experiment;
 mod exposure;
 mod fill;
+mod holes;
 mod loading;
 mod page;
 mod picture;

@@ -33,7 +33,7 @@ pub fn jitter(setup: &Setup) -> Result<Outcome, StabilityError> {
     let camera = |frame: u32| {
         let x = UTM[0] + 0.001 * f64::from(frame);
         let at = |y: f64| [x, UTM[1] + y, UTM[2]];
-        Camera { eye: at(-1.0), target: at(0.0), up: [0.0, 0.0, 1.0], fov_y_deg: 35.0 }
+        Camera { eye: at(-1.0), target: at(0.0), up: [0.0, 0.0, 1.0], fov_y_deg: 35.0, ..Default::default() }
     };
     // Where a method sees a point: the middle of its pixel for one that tells only pixels.
     let see = |positions: Positions, frame: u32, point: [i32; 3]| -> Result<Option<Place>, StabilityError> {
@@ -156,7 +156,13 @@ pub fn origin_shift(setup: &Setup) -> Result<Outcome, StabilityError> {
     let scene = Scene::new(grid, positions, colors);
     let camera = |frame: u32| {
         let x = 500.0 * f64::from(frame);
-        Camera { eye: [x, 0.0, 300.0], target: [x + 1000.0, 0.0, 0.0], up: [0.0, 0.0, 1.0], fov_y_deg: 60.0 }
+        Camera {
+            eye: [x, 0.0, 300.0],
+            target: [x + 1000.0, 0.0, 0.0],
+            up: [0.0, 0.0, 1.0],
+            fov_y_deg: 60.0,
+            ..Default::default()
+        }
     };
     let world = |k: usize| grid.world(scene.positions[k]);
     let truth = |frame: u32| {

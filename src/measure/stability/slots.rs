@@ -29,7 +29,7 @@ fn slots() -> Vec<u32> {
 
 fn camera(aside: f64) -> Camera {
     let at = |y: f64| [aside, y, 0.0];
-    Camera { eye: at(-DISTANCE_M), target: at(0.0), up: [0.0, 0.0, 1.0], fov_y_deg: 60.0 }
+    Camera { eye: at(-DISTANCE_M), target: at(0.0), up: [0.0, 0.0, 1.0], fov_y_deg: 60.0, ..Default::default() }
 }
 
 /// A point in the middle of pixel `i`.

@@ -1,8 +1,8 @@
 //! The experiments, one row each.
 
 use super::{
-    averages, contention, degenerate, depth, experiment::Experiment, exposure, fill, loading, point_size, positions,
-    shuffles, slots, ties,
+    averages, contention, degenerate, depth, experiment::Experiment, exposure, fill, holes, loading, point_size,
+    positions, shuffles, slots, ties,
 };
 use crate::{
     measure::report_dir::ReportDirError,
@@ -158,6 +158,14 @@ pub const EXPERIMENTS: &[Experiment] = &[
         fails: "one budget for both: reprojection starves the fill, and the picture never converges",
         holds: "converged ⌈points / budget⌉ + 1 frames after the camera stops",
         run: fill::starvation,
+    },
+    Experiment {
+        name: "holes",
+        what: "a town under a sky, thinned out, its holes filled, against the picture of all points",
+        source: "Rosenthal and Linsen 2008, Image-space Point Cloud Rendering",
+        fails: "holes show the background; filled without masks, silhouettes grow",
+        holds: "small holes are filled, mostly with the right depth and colour, and background hardly ever",
+        run: holes::holes,
     },
 ];
 

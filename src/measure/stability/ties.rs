@@ -48,7 +48,8 @@ pub fn equal_depths(setup: &Setup) -> Result<Outcome, StabilityError> {
     let order: Vec<u32> = (0..points).map(arrival).collect();
     let scene =
         Scene::new(MILLIMETRES, order.iter().map(|&k| place(k)).collect(), order.iter().map(|&k| color(k)).collect());
-    let camera = Camera { eye: [0.0, 0.0, 9.0], target: [0.0; 3], up: [0.0, 1.0, 0.0], fov_y_deg: 60.0 };
+    let camera =
+        Camera { eye: [0.0, 0.0, 9.0], target: [0.0; 3], up: [0.0, 1.0, 0.0], fov_y_deg: 60.0, ..Default::default() };
     let view = scene.view(&camera, SIZE, 1)?;
     // Pixels that differ from the first run's, in runs that begin elsewhere.
     let starts = [0, points / 2, points / 3, points - 1];

@@ -25,13 +25,13 @@ pub fn add_point(
     let Some(point) = view.project(position) else { return };
     let mut known = None;
     let [left, top] = point.corner;
-    let size = view.point_size as i32;
+    let size = point.size as i32;
     for y in top.max(0)..(top + size).min(view.height as i32) {
         for x in left.max(0)..(left + size).min(view.width as i32) {
             let pixel = y as usize * view.width as usize + x as usize;
             let front = words[pixel].load(Relaxed);
             // A background pixel's depth is not a number, and nothing is nearer than that.
-            if raster::slot(front) != slot && point.depth <= raster::depth(front) * AVERAGED_DEPTH {
+            if raster::slot(front) != slot && point.depth <= view.far_as(raster::depth(front), AVERAGED_DEPTH) {
                 add(&sums[pixel], *known.get_or_insert_with(&color));
             }
         }

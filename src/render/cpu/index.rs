@@ -3,7 +3,11 @@
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
-use super::{BACKGROUND, PIXELS_PER_THREAD, raster::slot, threads::map_parts};
+use super::{
+    BACKGROUND, PIXELS_PER_THREAD,
+    raster::{depth, slot},
+    threads::map_parts,
+};
 use crate::render::View;
 
 /// Replaces `visible` by the slots in `words`.
@@ -15,7 +19,7 @@ pub fn build(visible: &mut Vec<u32>, words: &[AtomicU64], view: &View, threads: 
         for y in rows {
             for x in 0..width {
                 let word = words[y * width + x].load(Relaxed);
-                if word != BACKGROUND && is_first(words, width, view.point_size as usize, x, y, word) {
+                if word != BACKGROUND && is_first(words, width, view.point_size_at(depth(word)) as usize, x, y, word) {
                     found.push(slot(word));
                 }
             }
@@ -42,14 +46,24 @@ mod tests {
     use std::collections::BTreeSet;
 
     use super::*;
-    use crate::{render::Camera, scene::Grid};
+    use crate::{
+        render::{Camera, PointSize},
+        scene::Grid,
+    };
 
     #[test]
     fn lists_each_visible_slot_once() {
         let grid = Grid { scale: [0.01; 3], origin: [0.0; 3] };
-        let camera = Camera { eye: [0.0, -10.0, 0.0], target: [0.0; 3], up: [0.0, 0.0, 1.0], fov_y_deg: 60.0 };
+        let camera = Camera {
+            eye: [0.0, -10.0, 0.0],
+            target: [0.0; 3],
+            up: [0.0, 0.0, 1.0],
+            fov_y_deg: 60.0,
+            ..Default::default()
+        };
         let noise = |i: u32, k: u32| ((i.wrapping_mul(0x9E37_79B9) ^ k).wrapping_mul(0x85EB_CA6B) >> 12) as i32;
-        for point_size in 1..=8 {
+        let sizes = (1..=8).map(PointSize::Pixels).chain([0.1, 0.5, 1e6].map(PointSize::World));
+        for point_size in sizes {
             for count in [0, 1, 2, 33, 257, 4097] {
                 let view = camera.view(&grid, [129, 131], point_size).unwrap();
                 let words: Vec<AtomicU64> = (0..129 * 131).map(|_| AtomicU64::new(BACKGROUND)).collect();
@@ -62,7 +76,7 @@ mod tests {
                 for threads in [1, 3] {
                     let mut visible = vec![7, 7, 7];
                     build(&mut visible, &words, &view, threads);
-                    assert_eq!(visible.len(), expected.len(), "size {point_size}, {count} points");
+                    assert_eq!(visible.len(), expected.len(), "size {point_size:?}, {count} points");
                     assert_eq!(visible.into_iter().collect::<BTreeSet<_>>(), expected);
                 }
             }

@@ -11,7 +11,7 @@ pub fn draw_point(words: &[AtomicU64], view: &View, slot: u32, position: [i32; 3
     let Some(point) = view.project(position) else { return };
     let word = u64::from(point.depth.to_bits()) << 32 | u64::from(slot);
     let [left, top] = point.corner;
-    let size = view.point_size as i32;
+    let size = point.size as i32;
     let columns = left.max(0) as usize..(left + size).min(view.width as i32).max(0) as usize;
     for row in top.max(0)..(top + size).min(view.height as i32) {
         let row = &words[row as usize * view.width as usize..][columns.clone()];
@@ -42,7 +42,13 @@ mod tests {
     const GRID: Grid = Grid { scale: [0.01; 3], origin: [0.0; 3] };
 
     fn view(size: [u32; 2], point_size: u32) -> View {
-        let camera = Camera { eye: [0.0, -10.0, 0.0], target: [0.0; 3], up: [0.0, 0.0, 1.0], fov_y_deg: 60.0 };
+        let camera = Camera {
+            eye: [0.0, -10.0, 0.0],
+            target: [0.0; 3],
+            up: [0.0, 0.0, 1.0],
+            fov_y_deg: 60.0,
+            ..Default::default()
+        };
         camera.view(&GRID, size, point_size).unwrap()
     }
 

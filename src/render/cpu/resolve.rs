@@ -12,8 +12,9 @@ use super::{
     columns::Columns,
     raster,
     store::PointStore,
+    threads::map_parts,
 };
-use crate::render::{FramePlan, NO_DATA, PointColors, shading};
+use crate::render::{FramePlan, NO_DATA, PointColors, holes, shading};
 
 /// What the window shows, and the record of each pixel's point: slots lose their meaning with the
 /// next insertion.
@@ -72,9 +73,17 @@ impl Resolved {
                 });
             }
         });
-        if !lit {
-            return;
+        if lit {
+            self.light(plan, part);
         }
+        if plan.shading.fill_holes {
+            self.fill_holes(words, [width, plan.view.height as usize], threads);
+        }
+    }
+
+    /// Darkens the colours, `part` pixels in each thread.
+    fn light(&mut self, plan: &FramePlan, part: usize) {
+        let width = plan.view.width as usize;
         let depth = &self.depth;
         thread::scope(|scope| {
             for (k, rgba) in self.rgba.chunks_mut(part).enumerate() {
@@ -92,6 +101,20 @@ impl Resolved {
                 });
             }
         });
+    }
+
+    /// Twin of `shaders/holes.wgsl`: only background pixels are written, and only others read.
+    fn fill_holes(&mut self, words: &[AtomicU64], size: [usize; 2], threads: usize) {
+        let word = |at: usize| words[at].load(Relaxed);
+        let depth = |at: usize| if word(at) == BACKGROUND { f32::INFINITY } else { raster::depth(word(at)) };
+        let found = map_parts(threads, words.len(), PIXELS_PER_THREAD, |part| {
+            let background = part.filter(|&at| word(at) == BACKGROUND);
+            let from = |at| holes::source(size, at, holes::REACH, holes::MASK, depth).map(|from| (at, from));
+            background.filter_map(from).collect::<Vec<_>>()
+        });
+        for (at, from) in found.into_iter().flatten() {
+            self.rgba[at] = self.rgba[from];
+        }
     }
 }
 
@@ -133,13 +156,13 @@ fn edl_product(depth: &[f32], plan: &FramePlan, x: usize, y: usize) -> f32 {
     let (width, height) = (plan.view.width as usize, plan.view.height as usize);
     let center = depth[y * width + x];
     let mut product = 1.0;
-    for [dx, dy] in shading::edl_neighbours(plan.view.point_size) {
+    for [dx, dy] in shading::edl_neighbours(plan.view.point_size_at(center)) {
         if let (Some(x), Some(y)) = (x.checked_add_signed(dx), y.checked_add_signed(dy))
             && x < width
             && y < height
         {
             // A background neighbour is infinitely far, and so changes nothing.
-            product = shading::edl_product(product, center, depth[y * width + x]);
+            product = shading::edl_product(product, plan.view.times_as_far(center, depth[y * width + x]));
         }
     }
     product

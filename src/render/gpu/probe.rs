@@ -25,7 +25,7 @@ const FAR_PIXELS: f32 = 2000.0;
 pub fn concentrated(view: &View) -> View {
     let pixels = view.width as f32 * view.height as f32;
     let shrink = (FAR_PIXELS / pixels).sqrt().min(1.0);
-    let [row_x, row_y] = [view.row_x, view.row_y].map(|row| row.map(|x| x * shrink));
+    let [row_x, row_y] = [view.row_x, view.row_y].map(|[x, y, z, w]| [x * shrink, y * shrink, z * shrink, w]);
     View { row_x, row_y, ..*view }
 }
 

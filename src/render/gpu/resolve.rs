@@ -38,9 +38,14 @@ pub enum ColorSource<'a> {
 pub struct Resolve {
     points: PointPipelines,
     light: wgpu::ComputePipeline,
+    /// Fills holes, once that was asked for; and whether this frame does.
+    holes: Option<wgpu::ComputePipeline>,
+    fills_holes: bool,
     /// Of what is written: colours and records.
     pub layout_colors: wgpu::BindGroupLayout,
     layout_light: wgpu::BindGroupLayout,
+    /// The words, and the picture.
+    layout_holes: [wgpu::BindGroupLayout; 2],
     pub tables: ColorTables,
     shading: wgpu::Buffer,
 }
@@ -67,8 +72,11 @@ impl Resolve {
             points: PointPipelines::new(device, groups, Encoding::Packed),
             light: kernel::compute(device, &light, "light", &[&layouts.read, &layout_light]),
             shading: kernel::uniform(device, "shading", size_of::<ShadingUniform>() as u64),
+            holes: None,
+            fills_holes: false,
             layout_colors,
             layout_light,
+            layout_holes: [layouts.read.clone(), kernel::layout(device, "holes", compute, &[ReadWrite])],
             tables,
         }
     }
@@ -91,6 +99,12 @@ impl Resolve {
             unused_b: 0,
         };
         queue.write_buffer(&self.shading, 0, bytemuck::bytes_of(&uniform));
+        self.fills_holes = plan.shading.fill_holes;
+        if self.fills_holes && self.holes.is_none() {
+            let [words, picture] = &self.layout_holes;
+            let module = shaders::HOLES.module(device);
+            self.holes = Some(kernel::compute(device, &module, "fill_holes", &[words, picture]));
+        }
         self.tables.prepare(device, queue, &plan.colors)
     }
 
@@ -123,6 +137,12 @@ impl Resolve {
         pass.set_bind_group(0, &targets.bind_read, &[]);
         pass.set_bind_group(1, &bind, &[]);
         kernel::dispatch(&mut pass, targets.pixels());
+        if let Some(holes) = self.holes.as_ref().filter(|_| self.fills_holes) {
+            let bind = kernel::bind_buffers(device, "holes", &self.layout_holes[1], &[&targets.picture]);
+            pass.set_pipeline(holes);
+            pass.set_bind_group(1, &bind, &[]);
+            kernel::dispatch(&mut pass, targets.pixels());
+        }
     }
 
     /// Fills the targets' records, for a read-back.

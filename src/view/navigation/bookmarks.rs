@@ -49,8 +49,13 @@ mod tests {
 
     #[test]
     fn are_found_by_their_number_and_survive_being_written_down() {
-        let camera =
-            |x| Camera { eye: [x, 0.1, 4_999_999.123], target: [0.0; 3], up: [0.0, 0.0, 1.0], fov_y_deg: 60.0 };
+        let camera = |x| Camera {
+            eye: [x, 0.1, 4_999_999.123],
+            target: [0.0; 3],
+            up: [0.0, 0.0, 1.0],
+            fov_y_deg: 60.0,
+            projection: Default::default(),
+        };
         let mut bookmarks = Bookmarks::default();
         assert_eq!(bookmarks.set(4, camera(1.0)), 1, "the first one is number 1 whatever was asked for");
         assert_eq!(bookmarks.add(camera(2.0)), 2);

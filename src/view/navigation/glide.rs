@@ -64,6 +64,7 @@ fn between(from: &Camera, to: &Camera, part: f64) -> Option<Camera> {
         target: target.into(),
         up: axes.up.into(),
         fov_y_deg: mix(from.fov_y_deg, to.fov_y_deg),
+        projection: to.projection,
     })
 }
 
@@ -72,7 +73,7 @@ mod tests {
     use super::*;
 
     fn camera(eye: [f64; 3], target: [f64; 3], up: [f64; 3]) -> Camera {
-        Camera { eye, target, up, fov_y_deg: 60.0 }
+        Camera { eye, target, up, fov_y_deg: 60.0, projection: Default::default() }
     }
 
     #[test]

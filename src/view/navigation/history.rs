@@ -71,7 +71,13 @@ mod tests {
     use super::*;
 
     fn camera(x: f64) -> Camera {
-        Camera { eye: [x, 0.0, 0.0], target: [0.0, 1.0, 0.0], up: [0.0, 0.0, 1.0], fov_y_deg: 60.0 }
+        Camera {
+            eye: [x, 0.0, 0.0],
+            target: [0.0, 1.0, 0.0],
+            up: [0.0, 0.0, 1.0],
+            fov_y_deg: 60.0,
+            projection: Default::default(),
+        }
     }
 
     #[test]

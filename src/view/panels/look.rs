@@ -2,22 +2,49 @@
 
 use eframe::egui::{Slider, Ui};
 
-use super::super::{overlay::POINT_SIZES, settings::Settings};
-use crate::render::Shading;
+use super::super::settings::Settings;
+use crate::render::{MAX_PX, PointSize, Projection, Shading};
 
 /// Strengths of eye-dome lighting that the control offers; more can be asked for on the command line.
 const EDL: std::ops::RangeInclusive<f32> = 0.05..=4.0;
 
+/// Width of a point, in pixels or in the file's unit.
+fn point_size(ui: &mut Ui, size: &mut PointSize) {
+    let mut in_pixels = size.pixels().is_some();
+    match size {
+        PointSize::Pixels(pixels) => {
+            ui.add(Slider::new(pixels, 1..=MAX_PX).text("Point size, px")).on_hover_text("Width of a point ([ and ])");
+        }
+        PointSize::World(world) => {
+            ui.add(Slider::new(world, 0.001..=10.0).logarithmic(true).text("Point size, units"))
+                .on_hover_text("Width of a point in the file's unit ([ and ])");
+        }
+    }
+    if ui.checkbox(&mut in_pixels, "In pixels").on_hover_text("Or in the file's unit, larger from near").changed() {
+        *size = if in_pixels { PointSize::Pixels(2) } else { PointSize::World(0.05) };
+    }
+}
+
 /// Shows the section.
 pub fn show(ui: &mut Ui, settings: &mut Settings) {
     let shading = &mut settings.look.shading;
-    ui.add(Slider::new(&mut settings.look.point_size, POINT_SIZES).text("Point size, px"))
-        .on_hover_text("Width of a point ([ and ])");
+    point_size(ui, &mut settings.look.point_size);
     ui.checkbox(&mut settings.edl, "Eye-dome lighting").on_hover_text("Darkens what lies behind its neighbours (L)");
     ui.add_enabled(settings.edl, Slider::new(&mut shading.edl_strength, EDL).logarithmic(true).text("Strength"))
         .on_hover_text("Strength of eye-dome lighting");
     ui.checkbox(&mut shading.high_quality, "High quality")
         .on_hover_text("Mean colour of all points within 1 % of the nearest; twice the work (B)");
+    ui.checkbox(&mut shading.fill_holes, "Fill holes")
+        .on_hover_text("Small holes in surfaces get the colour of a point beside them");
+    let mut orthographic = settings.look.projection == Projection::Orthographic;
+    if ui.checkbox(&mut orthographic, "Orthographic").on_hover_text("Parallel lines stay parallel").changed() {
+        settings.look.projection = if orthographic { Projection::Orthographic } else { Projection::Perspective };
+    }
+    ui.horizontal(|ui| {
+        ui.checkbox(&mut settings.look.decor.bounding_box, "Box").on_hover_text("The scene's bounding box");
+        ui.checkbox(&mut settings.look.decor.scale_bar, "Scale").on_hover_text("A scale bar");
+        ui.checkbox(&mut settings.look.decor.north_arrow, "North").on_hover_text("A north arrow");
+    });
     ui.checkbox(&mut settings.smooth, "Glide to views").on_hover_text(
         "The camera goes to a view that is asked for in a quarter of a second, instead of jumping there",
     );
