@@ -13,6 +13,7 @@ use eframe::{
 use super::{
     Options,
     blit::Blit,
+    decor,
     dialogs::{Chosen, Dialogs},
     help,
     keys::Command,
@@ -32,7 +33,8 @@ use super::{
     touch::Touch,
 };
 use crate::{
-    render::{Backend, FillBudget, GpuBackend, RenderError},
+    headless,
+    render::{self, Backend, FillBudget, GpuBackend, Picture, RenderError},
     scene::Attribute,
 };
 
@@ -181,7 +183,10 @@ impl App {
     fn go_on_with_shot(&mut self, ctx: &Context) {
         if let Some((options, picture)) = self.scene.take_shot(&self.settings) {
             match picture {
-                Ok(picture) => self.writing = Some(Writing::start(ctx, &options, picture)),
+                Ok(mut picture) => {
+                    self.decorate(&mut picture);
+                    self.writing = Some(Writing::start(ctx, &options, picture));
+                }
                 Err(error) => self.messages.add(Severity::Error, scene_state::sentence(&error)),
             }
             ctx.request_repaint();
@@ -194,6 +199,16 @@ impl App {
                 self.messages.add(Severity::Note, format!("The picture is in {}", path.display()));
             }
             Err(error) => self.messages.add(Severity::Error, scene_state::sentence(&error)),
+        }
+    }
+
+    /// Draws the box, scale bar and arrow over a picture for a file, as `render` does.
+    fn decorate(&self, picture: &mut Picture) {
+        let (decor, size) = (self.settings.look.decor, [picture.width, picture.height]);
+        if let (false, Some(navigation), Some(facts)) = (decor.is_empty(), &self.scene.navigation, self.scene.facts())
+            && let Ok(overlay) = render::overlay(decor, navigation.camera(), size, facts, headless::text_px(size))
+        {
+            headless::decorate(picture, &overlay, navigation.camera().projection);
         }
     }
 
@@ -332,6 +347,9 @@ impl App {
             let background = self.settings.look.shading.background;
             overlay::invitation(ui, rect, waiting_for.as_deref(), background, self.on_wayland);
         }
+        if let (Some(navigation), Some(facts)) = (&self.scene.navigation, self.scene.facts()) {
+            decor::paint(ui, rect, &self.settings, navigation.camera(), facts);
+        }
         if self.settings.legend
             && let Some(legend) = &self.spread.legend
         {
@@ -454,6 +472,9 @@ impl eframe::App for App {
         self.size = [rect.width(), rect.height()].map(|side| (side * ctx.pixels_per_point()).round() as u32);
         self.take_incoming(&ctx);
 
+        if let Some(navigation) = &mut self.scene.navigation {
+            navigation.set_projection(self.settings.look.projection);
+        }
         let picture = ui.interact(rect, Id::unique("picture"), Sense::click_and_drag());
         let moving = self.touch.steer(&ctx, &picture, self.size, &mut self.scene, &mut self.settings);
 

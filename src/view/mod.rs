@@ -6,6 +6,7 @@
 
 mod app;
 mod blit;
+mod decor;
 mod dialogs;
 mod format;
 mod help;

@@ -14,7 +14,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use glam::{DVec2, DVec3};
 
 use crate::{
-    render::Camera,
+    render::{Camera, Projection},
     scene::{Bounds, Grid},
 };
 
@@ -162,14 +162,30 @@ impl Navigation {
     /// The point of the scene that a cursor holds: at `depth` along the viewing direction where that
     /// is known, else as far away as the pivot.
     pub fn grab(&self, cursor: DVec2, depth: Option<f64>) -> DVec3 {
-        self.eye() + self.ray(cursor) * depth.unwrap_or_else(|| self.distance())
+        self.eye() + self.reach(cursor, depth.unwrap_or_else(|| self.distance()))
+    }
+
+    /// From the eye to what is at a pixel and so far along the viewing direction.
+    fn reach(&self, cursor: DVec2, depth: f64) -> DVec3 {
+        let forward = self.axes().forward;
+        forward * depth + (self.ray(cursor) - forward) * self.spread(depth)
+    }
+
+    /// How far apart rays are at a depth, in those at one: without perspective, as far as at the pivot.
+    fn spread(&self, depth: f64) -> f64 {
+        if self.camera.projection.is_perspective() { depth } else { self.distance() }
+    }
+
+    /// With perspective or without; what is at the pivot stays as large as it is.
+    pub fn set_projection(&mut self, projection: Projection) {
+        self.camera.projection = projection;
     }
 
     /// Moves sideways until `grabbed` is under the cursor.
     pub fn pan(&mut self, grabbed: DVec3, cursor: DVec2) {
         let axes = self.axes();
         let depth = (grabbed - self.eye()).dot(axes.forward);
-        let eye = grabbed - self.ray(cursor) * depth;
+        let eye = grabbed - self.reach(cursor, depth);
         self.place_in_sight(eye, eye + axes.forward * self.distance(), axes.up);
     }
 
@@ -177,15 +193,16 @@ impl Navigation {
     /// cursor, and its depth becomes the pivot's.
     pub fn zoom(&mut self, cursor: DVec2, factor: f64, depth: Option<f64>) {
         let axes = self.axes();
-        let depth = depth.unwrap_or_else(|| self.distance());
+        let point = self.grab(cursor, depth);
+        // Without perspective the pivot's distance says how large everything is.
+        let depth = depth.filter(|_| self.camera.projection.is_perspective()).unwrap_or_else(|| self.distance());
         let (nearest, farthest) = self.depth_range();
         let new_depth = (depth * factor).clamp(nearest, farthest);
         // Someone who is outside of the range already may come back, but not go on.
         if (new_depth - depth) * (factor - 1.0) <= 0.0 {
             return;
         }
-        let ray = self.ray(cursor);
-        let eye = self.eye() + ray * (depth - new_depth);
+        let eye = point - self.ray(cursor) * new_depth;
         self.place(eye, eye + axes.forward * new_depth, axes.up);
     }
 
@@ -235,13 +252,17 @@ impl Navigation {
     }
 
     fn pixel_of(&self, seen: DVec3) -> DVec2 {
-        let ndc = DVec2::new(seen.x, -seen.y) / (seen.z * self.tan());
+        let ndc = DVec2::new(seen.x, -seen.y) / (self.spread(seen.z) * self.tan());
         (ndc * 0.5 + DVec2::splat(0.5)) * self.size
     }
 
     /// Where the ray through a pixel comes from, and where it goes (one unit along the viewing direction).
     pub fn ray_through(&self, cursor: DVec2) -> (DVec3, DVec3) {
-        (self.eye(), self.ray(cursor))
+        let (forward, ray) = (self.axes().forward, self.ray(cursor));
+        match self.camera.projection.is_perspective() {
+            true => (self.eye(), ray),
+            false => (self.eye() + (ray - forward) * self.distance(), forward),
+        }
     }
 
     /// Unit vector along which the picture is seen.
@@ -293,7 +314,9 @@ impl Navigation {
     /// Whether the scene is in the picture of a camera there, or no more than its own size beside it: not all corners
     /// of its box, grown by that on all sides, are beyond one and the same edge.
     fn sees_box(&self, eye: DVec3, axes: &Axes) -> bool {
-        let tan = self.tan();
+        // Where rays do not spread, corners are compared with the picture at the pivot.
+        let (tan, is_flat) = (self.tan(), !self.camera.projection.is_perspective());
+        let distance = self.distance();
         let margin = self.bounds.diagonal();
         let corners: [DVec3; 8] = std::array::from_fn(|corner| {
             let side = |a: usize| match corner >> a & 1 {
@@ -301,7 +324,8 @@ impl Navigation {
                 _ => self.bounds.max[a] + margin,
             };
             let at = DVec3::new(side(0), side(1), side(2)) - eye;
-            DVec3::new(at.dot(axes.right), at.dot(axes.up), at.dot(axes.forward))
+            let seen = DVec3::new(at.dot(axes.right), at.dot(axes.up), at.dot(axes.forward));
+            if is_flat && seen.z > 0.0 { DVec3::new(seen.x, seen.y, distance) } else { seen }
         });
         let beyond: [fn(DVec3, DVec2) -> bool; 5] = [
             |c, _| c.z <= 0.0,
