@@ -472,9 +472,6 @@ impl eframe::App for App {
         self.size = [rect.width(), rect.height()].map(|side| (side * ctx.pixels_per_point()).round() as u32);
         self.take_incoming(&ctx);
 
-        if let Some(navigation) = &mut self.scene.navigation {
-            navigation.set_projection(self.settings.look.projection);
-        }
         let picture = ui.interact(rect, Id::unique("picture"), Sense::click_and_drag());
         let moving = self.touch.steer(&ctx, &picture, self.size, &mut self.scene, &mut self.settings);
 

@@ -7,7 +7,7 @@ use super::{
     keys::Command,
     navigation::{Bookmarks, Gesture, Glide, History, Navigation},
 };
-use crate::render::Camera;
+use crate::render::{Camera, Projection};
 
 /// Pivot distances per second.
 const FLY_SPEED: f64 = 0.6;
@@ -152,6 +152,13 @@ impl Hand {
                     self.glide_to(navigation, camera, now, smooth);
                 }
             }
+            Command::ToggleProjection => {
+                let projection = match self.destination(navigation).projection {
+                    Projection::Perspective => Projection::Orthographic,
+                    Projection::Orthographic => Projection::Perspective,
+                };
+                self.set_projection(ctx, navigation, projection);
+            }
             Command::FlyMode => self.is_flying ^= true,
             Command::AddBookmark => {
                 let number = self.bookmarks.add(self.destination(navigation));
@@ -168,6 +175,17 @@ impl Hand {
             }
             _ => {}
         }
+    }
+
+    /// Perspective or not, as the controls say.
+    pub fn set_projection(&mut self, ctx: &Context, navigation: &mut Navigation, projection: Projection) {
+        if self.destination(navigation).projection == projection {
+            return;
+        }
+        let (now, before) = (ctx.input(|i| i.time), *navigation.camera());
+        self.glide = None;
+        navigation.set_projection(projection);
+        self.history.note(Gesture::Jump, before, now);
     }
 
     /// What is under the cursor comes to the middle, if anything is.

@@ -8,6 +8,8 @@ use super::{navigation::StandardView, tools::Tool};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Command {
     Show(StandardView),
+    /// Perspective or orthographic.
+    ToggleProjection,
     Undo,
     Redo,
     /// What is under the cursor comes to the middle.
@@ -167,6 +169,7 @@ pub const ROWS: &[Row] = &[
         ],
     ),
     row(Section::Move, "5", "isometric", &[(plain(Key::Num5), Command::Show(StandardView::Isometric))]),
+    row(Section::Move, "6", "with or without perspective", &[(plain(Key::Num6), Command::ToggleProjection)]),
     row(
         Section::Move,
         "Ctrl+Z, Ctrl+Y",

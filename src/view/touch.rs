@@ -52,6 +52,7 @@ impl Touch {
         let mut moving = false;
         if let Some(navigation) = &mut scene.navigation {
             navigation.resize(size);
+            self.hand.set_projection(ctx, navigation, settings.look.projection);
             moving = self.hand.steer(ctx, picture, navigation, has_keys);
         }
         let pressed = if has_keys { keys::pressed(ctx) } else { Vec::new() };
@@ -59,6 +60,10 @@ impl Touch {
         for command in pressed.into_iter().chain(double_clicked) {
             self.obey_at(ctx, command, Some(picture), scene, settings);
             moving = true;
+        }
+        if let Some(navigation) = &scene.navigation {
+            // A bookmark or an undone move may have brought another one.
+            settings.look.projection = navigation.camera().projection;
         }
         moving
     }

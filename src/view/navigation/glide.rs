@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-use super::Axes;
-use crate::render::Camera;
+use super::{Axes, FOV_Y_DEG, reach};
+use crate::render::{Camera, Projection};
 
 /// Seconds that a way takes: long enough to see where it goes, too short to wait for.
 const SECS: f64 = 0.25;
@@ -54,7 +54,12 @@ fn between(from: &Camera, to: &Camera, part: f64) -> Option<Camera> {
     // The short way round.
     let turn = (end_heading - heading).sin().atan2((end_heading - heading).cos());
     let axes = Axes::level(heading + turn * part, mix(pitch, end_pitch));
-    let distance = |camera: &Camera| DVec3::from_array(camera.target).distance(DVec3::from_array(camera.eye));
+    let flat = to.projection == Projection::Orthographic || from.projection == Projection::Orthographic;
+    // Without perspective the eye's distance says nothing, but the picture's height does.
+    let distance = |camera: &Camera| match flat {
+        true => reach(camera),
+        false => DVec3::from_array(camera.target).distance(DVec3::from_array(camera.eye)),
+    };
     let distance = mix(distance(from).ln(), distance(to).ln()).exp();
     let target = DVec3::from_array(from.target).lerp(DVec3::from_array(to.target), part);
     let eye = target - axes.forward * distance;
@@ -63,7 +68,7 @@ fn between(from: &Camera, to: &Camera, part: f64) -> Option<Camera> {
         eye: eye.into(),
         target: target.into(),
         up: axes.up.into(),
-        fov_y_deg: mix(from.fov_y_deg, to.fov_y_deg),
+        fov_y_deg: if flat { FOV_Y_DEG } else { mix(from.fov_y_deg, to.fov_y_deg) },
         projection: to.projection,
     })
 }

@@ -14,7 +14,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use glam::{DVec2, DVec3};
 
 use crate::{
-    render::{Camera, Projection},
+    render::{Camera, Projection, SOUTH_AND_ABOVE},
     scene::{Bounds, Grid},
 };
 
@@ -27,6 +27,8 @@ pub use history::{Gesture, History};
 const FARTHEST: f64 = 50.0;
 /// Farthest that the eye may be from the grid's origin, in steps; [`Camera::view`] takes ten times that.
 const FARTHEST_STEPS: f64 = 1e12;
+/// Field of view of cameras that are made here; an orthographic one shows what this one would at its target.
+const FOV_Y_DEG: f64 = 60.0;
 
 /// The views that keys and buttons ask for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -90,8 +92,7 @@ impl Navigation {
 
     /// Shows all of the box from the usual direction.
     pub fn home(&mut self) {
-        self.camera = Camera::fit(&self.bounds, &self.grid, self.size.x / self.size.y);
-        self.pull_in();
+        self.look_from(SOUTH_AND_ABOVE);
     }
 
     /// Shows all of the box from the direction `from` (from the scene towards the eye).
@@ -99,8 +100,16 @@ impl Navigation {
         if from.normalize_or_zero() == DVec3::ZERO {
             return;
         }
-        self.camera = Camera::fit_from(&self.bounds, &self.grid, self.size.x / self.size.y, from);
+        let (aspect, projection) = (self.size.x / self.size.y, self.camera.projection);
+        self.camera = Camera::fit_as(&self.bounds, &self.grid, aspect, from, projection);
         self.pull_in();
+    }
+
+    /// Perspective or not: what is at the pivot's depth stays as large as it is.
+    pub fn set_projection(&mut self, projection: Projection) {
+        if self.camera.projection != projection {
+            self.camera = settled(Camera { projection, ..self.camera }, &self.bounds);
+        }
     }
 
     pub fn show(&mut self, view: StandardView) {
@@ -124,7 +133,7 @@ impl Navigation {
         // Neither an up of zero length nor one along the line of sight says where the right is.
         let sides = (target - eye).normalize_or_zero().cross(up.normalize_or_zero()).length() > 1e-6;
         if sees && sides && self.is_usable(eye, target, up) {
-            self.camera = camera;
+            self.camera = camera.before(&self.bounds);
         }
     }
 
@@ -141,7 +150,10 @@ impl Navigation {
 
     /// Looks around from where the eye is: the picture follows the mouse.
     pub fn look_around(&mut self, moved: DVec2) {
-        self.turn(self.eye(), moved * (self.camera.fov_y_deg.to_radians() / self.size.y));
+        // Without perspective there is no place that the picture is seen from.
+        let from = if self.is_flat() { DVec3::from_array(self.camera.target) } else { self.eye() };
+        let fov_y_deg = if self.is_flat() { FOV_Y_DEG } else { self.camera.fov_y_deg };
+        self.turn(from, moved * (fov_y_deg.to_radians() / self.size.y));
     }
 
     /// Turns the camera around `point` to the right and down by these angles.
@@ -162,58 +174,72 @@ impl Navigation {
     /// The point of the scene that a cursor holds: at `depth` along the viewing direction where that
     /// is known, else as far away as the pivot.
     pub fn grab(&self, cursor: DVec2, depth: Option<f64>) -> DVec3 {
-        self.eye() + self.reach(cursor, depth.unwrap_or_else(|| self.distance()))
-    }
-
-    /// From the eye to what is at a pixel and so far along the viewing direction.
-    fn reach(&self, cursor: DVec2, depth: f64) -> DVec3 {
-        let forward = self.axes().forward;
-        forward * depth + (self.ray(cursor) - forward) * self.spread(depth)
-    }
-
-    /// How far apart rays are at a depth, in those at one: without perspective, as far as at the pivot.
-    fn spread(&self, depth: f64) -> f64 {
-        if self.camera.projection.is_perspective() { depth } else { self.distance() }
-    }
-
-    /// With perspective or without; what is at the pivot stays as large as it is.
-    pub fn set_projection(&mut self, projection: Projection) {
-        self.camera.projection = projection;
+        let (from, along) = self.ray_through(cursor);
+        from + along * depth.unwrap_or_else(|| self.distance())
     }
 
     /// Moves sideways until `grabbed` is under the cursor.
     pub fn pan(&mut self, grabbed: DVec3, cursor: DVec2) {
         let axes = self.axes();
         let depth = (grabbed - self.eye()).dot(axes.forward);
-        let eye = grabbed - self.reach(cursor, depth);
+        let by = grabbed - self.grab(cursor, Some(depth));
+        let eye = self.eye() + by;
         self.place_in_sight(eye, eye + axes.forward * self.distance(), axes.up);
     }
 
     /// Brings what is under the cursor closer (`factor` below 1) or farther away. It stays under the
     /// cursor, and its depth becomes the pivot's.
     pub fn zoom(&mut self, cursor: DVec2, factor: f64, depth: Option<f64>) {
+        if self.is_flat() {
+            return self.zoom_flat(cursor, factor);
+        }
         let axes = self.axes();
-        let point = self.grab(cursor, depth);
-        // Without perspective the pivot's distance says how large everything is.
-        let depth = depth.filter(|_| self.camera.projection.is_perspective()).unwrap_or_else(|| self.distance());
+        let depth = depth.unwrap_or_else(|| self.distance());
         let (nearest, farthest) = self.depth_range();
         let new_depth = (depth * factor).clamp(nearest, farthest);
         // Someone who is outside of the range already may come back, but not go on.
         if (new_depth - depth) * (factor - 1.0) <= 0.0 {
             return;
         }
-        let eye = point - self.ray(cursor) * new_depth;
+        let (from, along) = self.ray_through(cursor);
+        let eye = from + along * (depth - new_depth);
         self.place(eye, eye + axes.forward * new_depth, axes.up);
+    }
+
+    /// Without perspective zooming changes the height of the picture. What is under the cursor stays there.
+    fn zoom_flat(&mut self, cursor: DVec2, factor: f64) {
+        let (nearest, farthest) = self.depth_range();
+        let reach = self.reach();
+        let new_reach = (reach * factor).clamp(nearest, farthest);
+        if (new_reach - reach) * (factor - 1.0) <= 0.0 {
+            return;
+        }
+        let (from, along) = self.ray_through(cursor);
+        let target = DVec3::from_array(self.camera.target);
+        let aside = (from - self.eye()) * (1.0 - new_reach / reach);
+        // As far from the target as a perspective camera of that height; the rest follows.
+        let camera = Camera { fov_y_deg: FOV_Y_DEG, ..self.camera };
+        let before = std::mem::replace(&mut self.camera, camera);
+        let placed = self.place(target + aside - along * new_reach, target + aside, DVec3::from_array(before.up));
+        if !placed {
+            self.camera = before;
+        }
     }
 
     /// Flies right, forward and up (along the file's z) by so many pivot distances.
     pub fn fly(&mut self, right: f64, forward: f64, up: f64) {
         let axes = self.axes();
-        let by = (axes.right * right + axes.forward * forward + DVec3::Z * up) * self.distance();
+        let mut ahead = axes.forward * forward;
+        if self.is_flat() {
+            // Nothing comes nearer without perspective, but larger.
+            self.zoom_flat(self.size * 0.5, (-forward).exp());
+            ahead = DVec3::ZERO;
+        }
+        let by = (axes.right * right + ahead + DVec3::Z * up) * self.reach();
         let eye = self.eye() + by;
         let center = DVec3::from_array(self.bounds.center());
         let away = eye.distance(center);
-        if away > self.depth_range().1 && away > self.eye().distance(center) {
+        if away > self.depth_range().1.max(2.0 * self.distance()) && away > self.eye().distance(center) {
             return;
         }
         self.place(eye, DVec3::from_array(self.camera.target) + by, axes.up);
@@ -252,17 +278,17 @@ impl Navigation {
     }
 
     fn pixel_of(&self, seen: DVec3) -> DVec2 {
-        let ndc = DVec2::new(seen.x, -seen.y) / (self.spread(seen.z) * self.tan());
+        let ndc = DVec2::new(seen.x, -seen.y) / self.half_size(seen.z);
         (ndc * 0.5 + DVec2::splat(0.5)) * self.size
     }
 
-    /// Where the ray through a pixel comes from, and where it goes (one unit along the viewing direction).
+    /// Where the ray through a pixel comes from, at the depth of the eye, and where it goes: one unit along the viewing
+    /// direction.
     pub fn ray_through(&self, cursor: DVec2) -> (DVec3, DVec3) {
-        let (forward, ray) = (self.axes().forward, self.ray(cursor));
-        match self.camera.projection.is_perspective() {
-            true => (self.eye(), ray),
-            false => (self.eye() + (ray - forward) * self.distance(), forward),
-        }
+        let axes = self.axes();
+        let at = (cursor / self.size * 2.0 - DVec2::ONE) * self.half_size(1.0);
+        let aside = axes.right * at.x - axes.up * at.y;
+        if self.is_flat() { (self.eye() + aside, axes.forward) } else { (self.eye(), axes.forward + aside) }
     }
 
     /// Unit vector along which the picture is seen.
@@ -287,19 +313,21 @@ impl Navigation {
         DVec3::from_array(self.camera.target).distance(self.eye())
     }
 
+    /// Distance from which a perspective camera would show as much of the pivot's surroundings as this one.
+    fn reach(&self) -> f64 {
+        if self.is_flat() { reach(&self.camera) } else { self.distance() }
+    }
+
+    fn is_flat(&self) -> bool {
+        self.camera.projection == Projection::Orthographic
+    }
+
     fn eye(&self) -> DVec3 {
         DVec3::from_array(self.camera.eye)
     }
 
     fn axes(&self) -> Axes {
         Axes::of(&self.camera)
-    }
-
-    /// From the eye through a pixel, one unit long along the viewing direction.
-    fn ray(&self, cursor: DVec2) -> DVec3 {
-        let axes = self.axes();
-        let at = (cursor / self.size * 2.0 - DVec2::ONE) * self.tan();
-        axes.forward + axes.right * at.x - axes.up * at.y
     }
 
     /// Nearest and farthest that zooming goes.
@@ -314,9 +342,6 @@ impl Navigation {
     /// Whether the scene is in the picture of a camera there, or no more than its own size beside it: not all corners
     /// of its box, grown by that on all sides, are beyond one and the same edge.
     fn sees_box(&self, eye: DVec3, axes: &Axes) -> bool {
-        // Where rays do not spread, corners are compared with the picture at the pivot.
-        let (tan, is_flat) = (self.tan(), !self.camera.projection.is_perspective());
-        let distance = self.distance();
         let margin = self.bounds.diagonal();
         let corners: [DVec3; 8] = std::array::from_fn(|corner| {
             let side = |a: usize| match corner >> a & 1 {
@@ -324,22 +349,20 @@ impl Navigation {
                 _ => self.bounds.max[a] + margin,
             };
             let at = DVec3::new(side(0), side(1), side(2)) - eye;
-            let seen = DVec3::new(at.dot(axes.right), at.dot(axes.up), at.dot(axes.forward));
-            if is_flat && seen.z > 0.0 { DVec3::new(seen.x, seen.y, distance) } else { seen }
+            DVec3::new(at.dot(axes.right), at.dot(axes.up), at.dot(axes.forward))
         });
-        let beyond: [fn(DVec3, DVec2) -> bool; 5] = [
-            |c, _| c.z <= 0.0,
-            |c, tan| c.x < -c.z * tan.x,
-            |c, tan| c.x > c.z * tan.x,
-            |c, tan| c.y < -c.z * tan.y,
-            |c, tan| c.y > c.z * tan.y,
-        ];
-        !beyond.iter().any(|is_beyond| corners.iter().all(|&corner| is_beyond(corner, tan)))
+        // Behind the eye a perspective picture's edges have changed sides.
+        let beyond: [fn(DVec3, DVec2) -> bool; 4] =
+            [|c, half| c.x < -half.x, |c, half| c.x > half.x, |c, half| c.y < -half.y, |c, half| c.y > half.y];
+        let is_behind = !self.is_flat() && corners.iter().all(|corner| corner.z <= 0.0);
+        let is_beside = |edge: &fn(DVec3, DVec2) -> bool| corners.iter().all(|&c| edge(c, self.half_size(c.z)));
+        !is_behind && !beyond.iter().any(is_beside)
     }
 
-    /// Half of the picture's width and height at a distance of one.
-    fn tan(&self) -> DVec2 {
-        let y = (0.5 * self.camera.fov_y_deg.to_radians()).tan();
+    /// Half of the picture's width and height at a depth, in the file's unit.
+    fn half_size(&self, depth: f64) -> DVec2 {
+        let depth = if self.is_flat() { self.distance() } else { depth };
+        let y = depth * (0.5 * self.camera.fov_y_deg.to_radians()).tan();
         DVec2::new(y * self.size.x / self.size.y, y)
     }
 
@@ -357,11 +380,14 @@ impl Navigation {
         self.grid.steps(eye.to_array()).iter().all(|s| s.abs() <= FARTHEST_STEPS)
     }
 
-    /// Takes the camera there, unless it is where no picture can be drawn.
-    fn place(&mut self, eye: DVec3, target: DVec3, up: DVec3) {
-        if self.is_usable(eye, target, up) {
-            self.camera = Camera { eye: eye.into(), target: target.into(), up: up.into(), ..self.camera };
+    /// Takes the camera there, unless it is where no picture can be drawn; true if it did.
+    fn place(&mut self, eye: DVec3, target: DVec3, up: DVec3) -> bool {
+        let usable = self.is_usable(eye, target, up);
+        if usable {
+            let camera = Camera { eye: eye.into(), target: target.into(), up: up.into(), ..self.camera };
+            self.camera = if self.is_flat() { settled(camera, &self.bounds) } else { camera };
         }
+        usable
     }
 
     /// As [`Navigation::place`], but not where the scene is farther from the picture than its own size. Who is there
@@ -376,6 +402,19 @@ impl Navigation {
     fn is_usable(&self, eye: DVec3, target: DVec3, up: DVec3) -> bool {
         self.is_reachable(eye) && target.is_finite() && up.is_finite() && target != eye
     }
+}
+
+/// Distance from which a camera of the usual field of view shows as much at the target.
+fn reach(camera: &Camera) -> f64 {
+    0.5 * camera.height_at_target() / (0.5 * FOV_Y_DEG.to_radians()).tan()
+}
+
+/// The same picture at the target, by a camera of the usual field of view; without perspective, from so far back that
+/// the scene lies before the eye.
+fn settled(camera: Camera, bounds: &Bounds) -> Camera {
+    let target = DVec3::from_array(camera.target);
+    let eye = target - Axes::of(&camera).forward * reach(&camera);
+    Camera { eye: eye.into(), fov_y_deg: FOV_Y_DEG, ..camera }.before(bounds)
 }
 
 /// Unit vectors of the picture.

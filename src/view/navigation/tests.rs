@@ -364,3 +364,83 @@ fn segments_are_drawn_as_far_as_they_are_seen() {
     assert_eq!(n.locate_segment(far[0], far[1]), None);
     assert_eq!(n.locate_segment(DVec3::NAN, b), None);
 }
+
+/// Every move, without perspective: the same rules.
+#[test]
+fn moves_without_perspective_keep_the_same_rules() {
+    let flat = || {
+        let mut n = town();
+        n.set_projection(Projection::Orthographic);
+        n
+    };
+    let mut n = flat();
+    let (cursor, height) = (DVec2::new(1000.0, 150.0), n.camera.height_at_target());
+    assert!(
+        (height / town().camera.height_at_target() - 1.0).abs() < 1e-9,
+        "the pivot's depth stays as large as it was"
+    );
+
+    let point = n.grab(cursor, Some(200.0));
+    n.zoom(cursor, 0.25, Some(200.0));
+    assert_near(pixel(&n, point), cursor);
+    assert!((n.camera.height_at_target() / height - 0.25).abs() < 1e-9);
+    n.zoom(cursor, 4.0, None);
+    assert_near(pixel(&n, point), cursor);
+    assert!((n.camera.height_at_target() / height - 1.0).abs() < 1e-9);
+
+    n.pan(point, DVec2::new(70.0, 600.0));
+    assert_near(pixel(&n, point), DVec2::new(70.0, 600.0));
+    for i in 0..500 {
+        n.orbit_about(point, DVec2::new(17.0, f64::from(i % 5) * 4.0 - 8.0));
+        assert_near(pixel(&n, point), DVec2::new(70.0, 600.0));
+    }
+    assert!((n.camera.height_at_target() / height - 1.0).abs() < 1e-6 && n.axes().right.z.abs() < 1e-9);
+    assert_usable(&n);
+
+    // All of the scene is before the eye, and in every standard view in the picture.
+    for view in [StandardView::Home, StandardView::Top, StandardView::Left, StandardView::Isometric, StandardView::Fit]
+    {
+        n.show(view);
+        assert_eq!(n.camera.projection, Projection::Orthographic);
+        for corner in 0..8 {
+            let side = |a: usize| if corner >> a & 1 == 0 { n.bounds.min[a] } else { n.bounds.max[a] };
+            let at = pixel(&n, DVec3::new(side(0), side(1), side(2)));
+            assert!(at.cmpge(DVec2::ZERO).all() && at.cmplt(n.size).all(), "{view:?}: {at}");
+        }
+    }
+
+    // Zooming ends before numbers do, both ways, and comes back.
+    for factor in [0.7, 1.5, 0.7] {
+        for _ in 0..300 {
+            n.zoom(DVec2::new(640.0, 400.0), factor, None);
+            assert_usable(&n);
+        }
+    }
+    n.home();
+    let height = n.camera.height_at_target();
+    n.fly(0.0, 0.5, 0.0);
+    assert!(n.camera.height_at_target() < height, "flying ahead makes things larger");
+    n.look_around(DVec2::new(40.0, 10.0));
+    assert_usable(&n);
+    let taken = *n.camera();
+    n.set_camera(taken);
+    assert_eq!(*n.camera(), taken, "a camera that was kept is the same when it comes back");
+    n.set_projection(Projection::Perspective);
+    assert!((n.camera.height_at_target() / taken.height_at_target() - 1.0).abs() < 1e-9);
+    assert_eq!(n.camera.projection, Projection::Perspective);
+}
+
+#[test]
+fn pixels_without_perspective_agree_with_the_kernels() {
+    let mut n = town();
+    n.set_projection(Projection::Orthographic);
+    n.orbit(DVec2::new(77.0, -31.0));
+    let view = n.camera.view(&n.grid, SIZE, 1).expect("camera");
+    for cursor in [DVec2::new(3.5, 5.5), DVec2::new(640.5, 400.5), DVec2::new(1200.5, 700.5)] {
+        let depth = n.distance() + 10.0;
+        let steps = n.grid.steps(n.grab(cursor, Some(depth)).to_array()).map(|s| s.round() as i32);
+        let projected = view.project(steps).expect("visible");
+        assert_eq!(projected.corner, [cursor.x as i32, cursor.y as i32]);
+        assert!((f64::from(projected.depth) - depth).abs() < 0.01, "{} is not {depth}", projected.depth);
+    }
+}

@@ -72,6 +72,7 @@ fn views(ui: &mut Ui, bookmarks: &mut Bookmarks, asked: &mut Vec<Command>) {
     ] {
         entry(ui, name, Command::Show(view));
     }
+    entry(ui, "With or without perspective", Command::ToggleProjection);
     ui.separator();
     entry(ui, "Undo the last move", Command::Undo);
     entry(ui, "Redo it", Command::Redo);
