@@ -181,9 +181,11 @@ fn what_is_wrong_is_said_before_the_work() {
     let bench = Bench::new();
     bench.scan("a.las", Scene::Planes, 2000);
     let mut wide = fs::read(bench.path("a.las")).unwrap();
-    // The header's largest and smallest x, y and z.
-    for (at, value) in [(179, 1e9_f64), (187, -1e9), (195, 1e9), (203, -1e9), (211, 1e9), (219, -1e9)] {
-        wide[at..at + 8].copy_from_slice(&value.to_le_bytes());
+    // The header's largest and smallest x, y and z: nearly all that 32 bits hold of steps of a millimetre.
+    for (axis, offset) in [500_000.0, 5_000_000.0, 0.0].into_iter().enumerate() {
+        for (at, value) in [(179, offset + 2.1e6_f64), (187, offset - 2.1e6)] {
+            wide[at + 16 * axis..][..8].copy_from_slice(&value.to_le_bytes());
+        }
     }
     fs::write(bench.path("wide.las"), wide).unwrap();
     bench.write("text.las", "no scan");
