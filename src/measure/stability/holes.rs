@@ -8,7 +8,7 @@ use super::{
 };
 use crate::render::{Camera, CpuBackend, HOLE_MASK, HOLE_REACH, Picture, Reprojection, StoreOptions, hole_source};
 
-const SIZE: [u32; 2] = [160, 120];
+const SIZE: [u32; 2] = [320, 240];
 
 /// How holes are told from background.
 #[derive(Clone, Copy, PartialEq)]
@@ -80,10 +80,11 @@ pub fn holes(setup: &Setup) -> Result<Outcome, StabilityError> {
     let mut progressive = scene.load(CpuBackend::new(None), StoreOptions::default(), &view)?;
     progressive.set_reprojection(Reprojection::Never);
     let seen = scene.view(&camera.turned(1.0), SIZE, 1)?;
-    // As many points a pixel at either size.
-    progressive.frame(&request(seen, setup.pick(scene.len() / 12, scene.len() / 48)))?;
-    let thin = progressive.read()?;
+    let covered = |picture: &Picture| picture.records.iter().filter(|&&record| record >= 0).count();
     let truth = progressive.truth(&request(seen, scene.len()))?;
+    // Two points for each pixel that shows the town leave about a third of them empty.
+    progressive.frame(&request(seen, 2 * covered(&truth) as u32))?;
+    let thin = progressive.read()?;
     let of = |way| errors(way, &thin, &truth);
     let (open, all) = (of(setup.failing(Way::Open, Way::Masks)), of(setup.failing(Way::All, Way::Masks)));
     let (ours, beside) = (of(setup.ours(Way::Open, Way::Masks)), of(setup.ours(Way::All, Way::Masks)));
@@ -91,7 +92,6 @@ pub fn holes(setup: &Setup) -> Result<Outcome, StabilityError> {
     let depth = "share of the holes without a depth, or over 2 % off";
     let color = "distance of a hole's colour from the truth, levels, mean";
     let background = "share of the background beside points that is filled";
-    let covered = |picture: &Picture| picture.records.iter().filter(|&&record| record >= 0).count();
     Ok(Outcome {
         claims: vec![
             Claim::fails("no filling", left, open.open, 0.9, "nothing fills them"),
