@@ -29,7 +29,7 @@ fn every_mistake_has_its_line_and_its_code() {
         ("-o a.png", 2, &["IN"]),
         ("a.las -o x.png --size 0x10", 2, &["--size", "1600x900", "0x10"]),
         ("a.las -o x.png --size 100000x100000", 2, &["--size", "pixels"]),
-        ("a.las -o x.png --point-size 9", 2, &["--point-size", "1..=8"]),
+        ("a.las -o x.png --point-size 9", 2, &["--point-size", "pixels from 1 to 8"]),
         ("a.las -o x.png --fill 0", 2, &["--fill", "at least 1"]),
         ("a.las -o x.png --fill many", 2, &["--fill", "250k", "many"]),
         ("a.las -o x.png --stop later", 2, &["--stop", "converged", "later"]),
