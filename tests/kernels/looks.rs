@@ -160,7 +160,7 @@ fn shade(projection: Projection, height: f64, across: f64, eye: f64) -> u8 {
     let view = camera.view(&grid, [200, 200], 1).unwrap();
     let shading = Shading { background: [0; 3], ..Default::default() };
     let lit = FrameRequest { view, fill: FillBudget::Fixed(1_000_000), shading };
-    let unlit = FrameRequest { shading: Shading { edl_strength: 0.0, ..shading }, ..lit.clone() };
+    let unlit = FrameRequest { shading: Shading { edl_strength: 0.0, ..shading }, ..lit };
     let (lit, unlit) = (draw_all(&cloud, &lit), draw_all(&cloud, &unlit));
     // The column behind the edge; points have colours at random, so that one alone says little.
     let column =

@@ -96,7 +96,9 @@ fn a_scan_appears_while_it_loads_and_the_mouse_moves_the_camera() {
     zoomed.save("4-zoomed");
     assert!(zoomed.difference(&orbited) > SOME);
 
-    // Whatever was on screen before: the same camera gives the same picture, to the last bit.
+    // Whatever was on screen before: the same camera gives the same picture, to the last bit. Off the picture, the
+    // mouse shows no coordinates.
+    viewer.xdotool("mousemove 300 790");
     viewer.key("h");
     viewer.wait_for("the first picture again", PATIENCE, |v| (v.shot().difference(&complete) == 0).then_some(()));
 
@@ -111,6 +113,7 @@ fn a_scan_appears_while_it_loads_and_the_mouse_moves_the_camera() {
     viewer.xdotool("mousemove 400 400 click 4 click 4");
     viewer.wait_for_more("at rest", rests, PATIENCE);
     viewer.shot_at_rest().save("9-high-quality-zoomed");
+    viewer.xdotool("mousemove 300 790");
     viewer.key("h");
     viewer.wait_for("the averages again", PATIENCE, |v| (v.shot().difference(&averaged) == 0).then_some(()));
     viewer.key("b");

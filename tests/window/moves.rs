@@ -16,6 +16,12 @@ fn after(viewer: &mut Viewer, act: impl FnOnce(&Viewer)) -> Shot {
     let rests = viewer.count("at rest");
     act(viewer);
     viewer.wait_for_more("at rest", rests, PATIENCE);
+    rest(viewer)
+}
+
+/// Off the picture, where the mouse shows no coordinates.
+fn rest(viewer: &Viewer) -> Shot {
+    viewer.xdotool("mousemove 300 790");
     viewer.shot_at_rest()
 }
 
@@ -27,9 +33,7 @@ fn moves_are_undone_and_redone_and_views_are_kept() {
     let mut viewer = Viewer::start(&display, &[scan.to_str().unwrap()]);
     viewer.wait_for_line("read 3000000 points", PATIENCE);
     viewer.wait_for_line("at rest", PATIENCE);
-    // The cursor stays where nothing is written.
-    viewer.xdotool("mousemove 640 400");
-    let first = viewer.shot_at_rest();
+    let first = rest(&viewer);
     let same = |viewer: &mut Viewer, what: &str, shot: &Shot| {
         viewer.wait_for(what, PATIENCE, |v| (v.shot().difference(shot) == 0).then_some(()));
     };

@@ -62,8 +62,10 @@ pub fn measure(measure: &Measure, watcher: &mut dyn Watcher) -> Result<ConvergeR
     if settings.iter().any(|setting| setting.encoding == Some(Encoding::Packed)) {
         packing?;
     }
-    // As in a viewer, whoever draws: the reports are to be the same on all devices.
-    let viewers_encoding = if packing.is_ok() { Encoding::default() } else { Encoding::Wide };
+    // As in a viewer, whoever draws: the reports are to be the same on all devices. A point outside of the promised box
+    // widens a packed store while it loads.
+    let packs = packing.is_ok_and(|packing| scan.batches.iter().all(|batch| packing.holds_all(&batch.positions)));
+    let viewers_encoding = if packs { Encoding::default() } else { Encoding::Wide };
     let viewers_fields = if measure.decoded.len() > 1 { Decoded::Colors } else { first.decoded };
     let camera = first_camera(measure, scan);
     let auto = Setting { method: RasterChoice::Auto, ..*first };
@@ -104,6 +106,12 @@ pub fn measure(measure: &Measure, watcher: &mut dyn Watcher) -> Result<ConvergeR
         }
     }
     let mut report = empty(measure, scan, &info, camera, &phases);
+    if !packs && settings.iter().any(|setting| setting.encoding == Some(Encoding::Packed)) {
+        report.problems.push(
+            "points lie outside of the box that the header promises: runs called packed hold 12 bytes a point from there on"
+                .into(),
+        );
+    }
     let total = settings.len() * measure.repeat as usize;
     for round in 1..=measure.repeat {
         // Every second round backwards: nobody always follows the same neighbour.

@@ -170,17 +170,19 @@ impl GpuBackend {
     /// Makes anew what reads positions, if the store holds them in another encoding than at the last frame.
     fn follow_encoding(&mut self) -> Result<(), RenderError> {
         let encoding = self.store.pages.encoding();
-        if self.chooser.encoding == encoding {
+        if self.info.encoding == encoding {
             return Ok(());
         }
-        self.info.encoding = encoding;
         self.chooser.set_encoding(encoding);
         self.resolve.set_encoding(&self.device, &self.layouts, &self.store.pages);
         // Its sums are those of a scene that is gone, or that has grown since.
         self.average = None;
         // It is made anew for the next frame with a filter.
         self.mask = None;
-        self.take_rasterizer(self.masked)
+        self.take_rasterizer(self.masked)?;
+        // Last: if memory has no room for the rasterizer's targets, the next frame tries again.
+        self.info.encoding = encoding;
+        Ok(())
     }
 
     /// Makes the rasterizer of the candidate chosen, for the store's encoding. `masked`: it looks at a filter's bits.
