@@ -16,7 +16,7 @@ use firstlight::{
 
 use super::{data, read};
 
-const NEVER: AtomicBool = AtomicBool::new(false);
+static NEVER: AtomicBool = AtomicBool::new(false);
 
 fn record_of(path: &Path, record: u64) -> Result<PointRecord, RecordError> {
     PointRecord::read(path, record, &NEVER)
