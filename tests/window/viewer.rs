@@ -30,7 +30,8 @@ impl<'d> Viewer<'d> {
 
     /// With a settings file of the test's own.
     pub fn start_with(display: &'d Display, settings: &Path, arguments: &[&str]) -> Viewer<'d> {
-        // A new display has the mouse in its middle; off the picture, it shows no coordinates.
+        // A new display has the mouse in its middle; off the picture, it shows no coordinates. (Without -noreset a
+        // display forgets that with its last client.)
         let moved = Command::new("xdotool").args(["mousemove", "300", "790"]).env("DISPLAY", &display.name).status();
         assert!(moved.expect("xdotool").success());
         let mut process = Command::new(env!("CARGO_BIN_EXE_firstlight"))
