@@ -1,8 +1,7 @@
 //! The bits that say which points a filter hides: made anew when the filter changes, in one go, and while points
 //! arrive for the slots that insertions touched.
 //!
-//! A frame with another filter takes so much longer: on lavapipe with two cores some 25 ms per million points for a
-//! turned box, on a GPU what reading the positions takes. Not spread over frames: the picture would show points of
+//! A frame with another filter takes longer for that. It is not spread over frames: the picture would show points of
 //! the old filter beside those of the new one.
 
 use std::sync::{Arc, Mutex};
