@@ -1,6 +1,8 @@
 //! What the colours mean, over the picture.
 
-use eframe::egui::{Align2, Area, Color32, Frame, Id, Margin, Order, Rect, Sense, TextStyle, Ui, pos2, vec2};
+use eframe::egui::{
+    Align2, Area, Color32, Frame, Id, Margin, Order, Rect, Sense, TextStyle, TextWrapMode, Ui, pos2, vec2,
+};
 
 use crate::render::{Legend, LegendClass, LegendKey, Tick};
 
@@ -20,6 +22,8 @@ pub fn show(ui: &Ui, screen: Rect, legend: &Legend) {
         let [r, g, b, _] = ui.visuals().panel_fill.to_array();
         let fill = Color32::from_rgba_unmultiplied(r, g, b, 200);
         Frame::new().fill(fill).corner_radius(4).inner_margin(Margin::same(8)).show(ui, |ui| {
+            // As wide as its title and names want, not as the area was when it showed another legend.
+            ui.style_mut().wrap_mode = Some(TextWrapMode::Extend);
             ui.strong(&legend.title);
             match &legend.key {
                 LegendKey::Scale { colors, ticks, .. } => scale(ui, colors, ticks),

@@ -91,13 +91,17 @@ impl Rereading {
                 Err(TryRecvError::Disconnected) => break Err(LOST.to_owned()),
             }
         };
-        if let Some(running) = self.running.take()
-            && ended.is_err()
-        {
-            progressive.drop_values();
-            self.failed.extend(running.attributes);
-        } else {
-            progressive.end_values();
+        match &ended {
+            Ok(()) => {
+                progressive.end_values();
+                log::debug!("read the values of {} points", running.points);
+                self.running = None;
+            }
+            Err(_) => {
+                progressive.drop_values();
+                self.failed.append(&mut running.attributes);
+                self.running = None;
+            }
         }
         ended.map(|()| true)
     }

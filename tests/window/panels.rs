@@ -114,13 +114,16 @@ fn colours_change_in_mid_load() {
     let mut viewer = Viewer::start(&display, &["--threads", "1", scan]);
     viewer.wait_for("points", PATIENCE, |v| Some(()).filter(|()| v.shot().points() > SOME));
     while !viewer.said("colours by classification") {
+        // The last one may not have been seen yet: two keys would be one too many.
+        let modes = viewer.count("colours by");
         viewer.key("v");
+        viewer.wait_for_more("colours by", modes, PATIENCE);
     }
     assert!(!viewer.said("read 3000000 points"), "the scan is too small: all was loaded before the key");
     let early = viewer.shot();
     early.save("12-classes-early");
     viewer.wait_for_line("read 3000000 points", PATIENCE);
-    viewer.wait_for_line("at rest", PATIENCE);
+    viewer.wait_for_rest_after("read the values of 3000000 points", PATIENCE);
     let switched = viewer.shot_at_rest();
     switched.save("13-classes");
     assert!(viewer.close(PATIENCE).success());

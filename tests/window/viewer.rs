@@ -101,6 +101,15 @@ impl<'d> Viewer<'d> {
         self.wait_for(text, patience, |v| v.said(text).then_some(()));
     }
 
+    /// Until the window comes to rest with `text` said before.
+    pub fn wait_for_rest_after(&mut self, text: &str, patience: Duration) {
+        self.wait_for(text, patience, |v| {
+            let log = v.log.lock().unwrap();
+            let said = log.iter().rposition(|line| line.contains(text))?;
+            log[said..].iter().any(|line| line.contains("at rest")).then_some(())
+        });
+    }
+
     /// Until more lines than `before` contain `text`.
     pub fn wait_for_more(&mut self, text: &str, before: usize, patience: Duration) {
         self.wait_for(text, patience, |v| (v.count(text) > before).then_some(()));
