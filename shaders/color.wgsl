@@ -67,8 +67,9 @@ fn file_of(record: u32) -> FileColor {
     return files[low];
 }
 
-// `attributes` holds 16-bit red, green, blue and intensity.
-fn point_color(file: FileColor, attributes: vec2<u32>, z: i32) -> u32 {
+// `attributes` holds 16-bit red, green, blue and intensity. The position is read where it is needed only: a random read
+// less per pixel.
+fn point_color(file: FileColor, attributes: vec2<u32>, local: u32) -> u32 {
     let rgb = vec3<u32>(attributes.x & 0xffffu, attributes.x >> 16u, attributes.y & 0xffffu);
     switch file.kind {
         case 0u: {
@@ -94,12 +95,13 @@ fn point_color(file: FileColor, attributes: vec2<u32>, z: i32) -> u32 {
             return ramp_color(level_of((attributes.y >> 16u) + 1u));
         }
         case 8u: {
-            return ramp_color(level_of(bitcast<u32>(z) ^ 0x80000000u));
+            return ramp_color(level_of(bitcast<u32>(load_position(local).z) ^ 0x80000000u));
         }
         case 9u: {
             return file.low;
         }
         default: {
+            let z = load_position(local).z;
             let above = bitcast<u32>(max(z, bitcast<i32>(file.low))) - file.low;
             return ramp_color(share_of(above, file.high - file.low));
         }
@@ -113,5 +115,5 @@ fn color_of(local: u32) -> u32 {
     if arrayLength(&files) > 1u {
         file = file_of(records[local]);
     }
-    return point_color(file, attributes[local], load_position(local).z);
+    return point_color(file, attributes[local], local);
 }
