@@ -31,8 +31,9 @@ pub struct LookArgs {
     /// Colour where no point is; by default #181c22
     #[arg(long, value_name = "#RRGGBB", value_parser = values::parse_color)]
     background: Option<[u8; 3]>,
-    /// Draw over the picture: the scene's bounding box, a scale bar, a north arrow
-    #[arg(long, value_name = "box,scale,north")]
+    /// Draw over the picture: the scene's bounding box, a scale bar, a north arrow, what the colours mean; none:
+    /// nothing, also where the window remembers some
+    #[arg(long, value_name = "box,scale,north,legend")]
     decorate: Option<Decor>,
     #[command(flatten)]
     filter: FilterArgs,

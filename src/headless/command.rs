@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::render::{Camera, ClassTable, Clip, Coloring, Filter, Look, Projection, Shading, Tone};
+use crate::render::{Camera, ClassTable, Clip, Coloring, Decor, Filter, Look, Projection, Shading, Tone};
 
 /// `firstlight render …` for what this camera shows, quoted for a POSIX shell. Options that have their default value are
 /// left out. Names that are no UTF-8 do not survive.
@@ -39,6 +39,8 @@ fn look_words(look: &Look, words: &mut Vec<String>) {
     if *fill_holes {
         words.push("--fill-holes".into());
     }
+    // Colours that have no legend need no word for it.
+    let decor = Decor { legend: decor.legend && coloring.by.attribute().is_some(), ..*decor };
     if !decor.is_empty() {
         option(words, "--decorate", decor.to_string());
     }

@@ -6,7 +6,7 @@ use eframe::egui::{
 };
 use glam::DVec2;
 
-use crate::render::{Line, Overlay, Picture, Projection};
+use crate::render::{Align, Label, Line, Overlay, Picture, Plate, Projection};
 
 const LIGHT: [u8; 3] = [236, 238, 242];
 const DARK: [u8; 3] = [20, 22, 26];
@@ -26,6 +26,9 @@ pub fn decorate(picture: &mut Picture, overlay: &Overlay, projection: Projection
     for line in in_scene {
         draw_line(picture, line, width, EDGE, projection);
     }
+    for plate in &overlay.plates {
+        fill_plate(picture, plate);
+    }
     for line in &above {
         draw_line(picture, line, width + 2.0, DARK, projection);
     }
@@ -36,8 +39,8 @@ pub fn decorate(picture: &mut Picture, overlay: &Overlay, projection: Projection
         draw_line(picture, line, width, LIGHT, projection);
     }
     let mut fonts = Fonts::new(TextOptions::default(), FontDefinitions::default());
-    for (middle, text) in &overlay.texts {
-        draw_text(picture, &mut fonts, *middle, text, text_px);
+    for label in &overlay.labels {
+        draw_text(picture, &mut fonts, label, text_px);
     }
 }
 
@@ -129,14 +132,30 @@ fn fill_triangle(picture: &mut Picture, corners: [DVec2; 3], color: [u8; 3]) {
     }
 }
 
-/// A text around its middle, with a dark rim so that it is read on any ground.
-fn draw_text(picture: &mut Picture, fonts: &mut Fonts, middle: DVec2, text: &str, text_px: f64) {
+/// Each pixel gets as much of its colour as it is covered.
+fn fill_plate(picture: &mut Picture, plate: &Plate) {
+    let size = DVec2::new(f64::from(picture.width), f64::from(picture.height));
+    let (low, high) = (plate.min.max(DVec2::ZERO), plate.max.min(size));
+    let covered = |axis: usize, at: i64| ((at + 1) as f64).min(high[axis]) - (at as f64).max(low[axis]);
+    for y in low.y.floor() as i64..high.y.ceil() as i64 {
+        for x in low.x.floor() as i64..high.x.ceil() as i64 {
+            blend(picture, [x, y], plate.color, plate.opacity * covered(0, x) * covered(1, y));
+        }
+    }
+}
+
+/// With a dark rim, so that it is read on any ground.
+fn draw_text(picture: &mut Picture, fonts: &mut Fonts, label: &Label, text_px: f64) {
     let (glyphs, atlas) = {
         let mut view = fonts.with_pixels_per_point(1.0);
-        let galley = view.layout_no_wrap(text.to_owned(), FontId::proportional(text_px as f32), Color32::WHITE);
+        let galley = view.layout_no_wrap(label.text.clone(), FontId::proportional(text_px as f32), Color32::WHITE);
         (galley, view.image())
     };
-    let corner = middle - DVec2::new(f64::from(glyphs.rect.width()), f64::from(glyphs.rect.height())) * 0.5;
+    let before = match label.align {
+        Align::Left => 0.0,
+        Align::Middle => 0.5,
+    };
+    let corner = label.at - DVec2::new(before * f64::from(glyphs.rect.width()), 0.5 * f64::from(glyphs.rect.height()));
     let mut ink: Vec<([i64; 2], f64)> = Vec::new();
     for row in &glyphs.rows {
         let mesh = &row.row.visuals.mesh;
@@ -216,13 +235,31 @@ mod tests {
     #[test]
     fn texts_are_where_they_should_be() {
         let mut picture = gray(200, 60, 1.0);
-        let texts = vec![(DVec2::new(100.0, 30.0), "50 m".to_owned())];
-        decorate(&mut picture, &Overlay { texts, ..Default::default() }, Projection::Perspective);
+        let labels = vec![Label { at: DVec2::new(100.0, 30.0), align: Align::Middle, text: "50 m".to_owned() }];
+        decorate(&mut picture, &Overlay { labels, ..Default::default() }, Projection::Perspective);
         let ink = changed(&picture);
         assert!(ink.len() > 60, "{} pixels", ink.len());
         let middle = |axis: usize| ink.iter().map(|p| p[axis] as f64).sum::<f64>() / ink.len() as f64;
         assert!((middle(0) - 100.0).abs() < 4.0 && (middle(1) - 30.0).abs() < 4.0, "{} {}", middle(0), middle(1));
         // There are pixels as light as the letters are.
         assert!(picture.rgba.iter().any(|rgba| rgba[0] > 200));
+    }
+
+    #[test]
+    fn plates_cover_what_they_say() {
+        let mut picture = gray(20, 10, 1.0);
+        let plate = |min: [f64; 2], max: [f64; 2], opacity| Plate {
+            min: min.into(),
+            max: max.into(),
+            color: [190, 0, 90],
+            opacity,
+        };
+        let plates = vec![plate([2.0, 3.0], [4.5, 5.0], 1.0), plate([18.0, -7.0], [99.0, 1.0], 0.5)];
+        decorate(&mut picture, &Overlay { plates, ..Default::default() }, Projection::Perspective);
+        let at = |x: usize, y: usize| picture.rgba[y * 20 + x];
+        assert_eq!([at(2, 3), at(3, 4)], [[190, 0, 90, 255]; 2]);
+        assert_eq!(at(4, 4), [140, 45, 90, 255], "half of it");
+        assert_eq!([at(18, 0), at(19, 0)], [[140, 45, 90, 255]; 2]);
+        assert_eq!(changed(&picture).len(), 8);
     }
 }

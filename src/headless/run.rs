@@ -16,7 +16,7 @@ use super::{
 use crate::{
     render::{
         Backend, CameraError, CpuBackend, FrameReport, FrameRequest, GpuBackend, Pick, PickAt, Picture, Progressive,
-        RasterChoice, RenderError, overlay,
+        RasterChoice, RenderError, Sheet, overlay,
     },
     scene::{PointBatch, SceneFacts},
     source::{self, Event, OpenOptions, SourceError, SourceReport, Stream},
@@ -256,7 +256,8 @@ impl<'a> Run<'a> {
     fn decorate(&self, picture: &mut Picture) -> Result<(), CameraError> {
         let (decor, size) = (self.settings.look.decor, self.settings.size);
         if let (false, Some(camera), Some(facts)) = (decor.is_empty(), &self.report.camera, &self.facts) {
-            let overlay = overlay(decor, camera, size, facts, text_px(size))?;
+            let sheet = Sheet { size, text_px: text_px(size), covered_below: 0.0 };
+            let overlay = overlay(decor, camera, facts, self.progressive.legend().as_ref(), &sheet)?;
             decorate(picture, &overlay, camera.projection);
         }
         Ok(())

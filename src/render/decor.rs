@@ -1,11 +1,13 @@
-//! What is drawn over a picture to read it by: the scene's box, a scale bar, a north arrow. As lines, shapes and
-//! texts in pixels, which the window and `render` draw alike.
+//! What is drawn over a picture to read it by: the scene's box, a scale bar, a north arrow, a legend. As lines, shapes
+//! and texts in pixels, which the window and `render` draw alike.
 
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
 use super::{
     camera::{Camera, CameraError, Projection},
+    legend::Legend,
+    legend_layout,
     lens::Lens,
 };
 use crate::scene::{Bounds, SceneFacts};
@@ -20,14 +22,18 @@ pub struct Decor {
     pub scale_bar: bool,
     /// The direction of the file's y axis, on level ground.
     pub north_arrow: bool,
+    /// What the colours mean, where they mean one attribute.
+    pub legend: bool,
 }
 
 /// The parts as the command line names them.
-const NAMES: [&str; 3] = ["box", "scale", "north"];
+const NAMES: [&str; 4] = ["box", "scale", "north", "legend"];
+/// And no part at all.
+const NONE: &str = "none";
 
 impl Decor {
-    fn parts(&mut self) -> [&mut bool; 3] {
-        [&mut self.bounding_box, &mut self.scale_bar, &mut self.north_arrow]
+    fn parts(&mut self) -> [&mut bool; 4] {
+        [&mut self.bounding_box, &mut self.scale_bar, &mut self.north_arrow, &mut self.legend]
     }
 
     /// Whether there is anything to draw.
@@ -41,9 +47,13 @@ impl std::str::FromStr for Decor {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let mut decor = Decor::default();
+        if text == NONE {
+            return Ok(decor);
+        }
         for name in text.split(',') {
             let known = decor.parts().into_iter().zip(NAMES).find(|(_, known)| *known == name);
-            let (part, _) = known.ok_or_else(|| format!("expected some of {}, found `{name}`", NAMES.join(", ")))?;
+            let (part, _) =
+                known.ok_or_else(|| format!("expected {NONE} or some of {}, found `{name}`", NAMES.join(", ")))?;
             *part = true;
         }
         Ok(decor)
@@ -55,7 +65,8 @@ impl std::fmt::Display for Decor {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let mut decor = *self;
         let set: Vec<&str> = decor.parts().into_iter().zip(NAMES).filter(|(set, _)| **set).map(|(_, n)| n).collect();
-        f.write_str(&set.join(","))
+        let joined = set.join(",");
+        f.write_str(if set.is_empty() { NONE } else { &joined })
     }
 }
 
@@ -67,14 +78,50 @@ pub struct Line {
     pub depths: Option<[f64; 2]>,
 }
 
-/// All that is to be drawn, in pixels.
+/// An upright rectangle, filled; in pixels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Plate {
+    pub min: DVec2,
+    pub max: DVec2,
+    pub color: [u8; 3],
+    /// 1 hides what is behind it.
+    pub opacity: f64,
+}
+
+/// What a label's place is: the middle of its left edge, or its middle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Align {
+    Left,
+    Middle,
+}
+
+/// A text in one line.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Label {
+    pub at: DVec2,
+    pub align: Align,
+    pub text: String,
+}
+
+/// All that is to be drawn, in pixels. Plates lie below the other shapes, but for lines in the scene.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Overlay {
     pub lines: Vec<Line>,
+    pub plates: Vec<Plate>,
     /// Triangles, filled; light ones and dark ones in turn.
     pub triangles: Vec<[DVec2; 3]>,
-    /// Texts and their middles.
-    pub texts: Vec<(DVec2, String)>,
+    pub labels: Vec<Label>,
+}
+
+/// What an overlay is laid out on.
+#[derive(Debug, Clone, Copy)]
+pub struct Sheet {
+    /// Of the picture, pixels.
+    pub size: [u32; 2],
+    /// Height of the texts, pixels.
+    pub text_px: f64,
+    /// Pixels at the picture's lower edge that something else covers.
+    pub covered_below: f64,
 }
 
 /// What a length in the file's unit is called: "m", "ft", or nothing where no file says what its unit is, or files
@@ -101,23 +148,25 @@ fn round_length(most: f64) -> f64 {
     [0.5, 1.0, 2.0, 5.0, 10.0].map(|n| n * ten).into_iter().filter(|&n| n <= most * (1.0 + 1e-9)).fold(0.0, f64::max)
 }
 
-/// What `decor` asks for, over a picture of `size` with texts of `text_px` pixels.
+/// What `decor` asks for, over a picture. Colours without a legend have none.
 ///
 /// # Errors
 /// If the camera's numbers make no picture.
 pub fn overlay(
     decor: Decor,
     camera: &Camera,
-    size: [u32; 2],
     facts: &SceneFacts,
-    text_px: f64,
+    legend: Option<&Legend>,
+    sheet: &Sheet,
 ) -> Result<Overlay, CameraError> {
+    let (size, text_px) = (sheet.size, sheet.text_px);
     let lens = Lens::of(camera, size)?;
     let mut overlay = Overlay::default();
     if decor.bounding_box && facts.bounds.is_sane() {
         overlay.lines.extend(box_lines(&lens, &facts.bounds));
     }
-    let corner = DVec2::new(f64::from(size[0]), f64::from(size[1])) - DVec2::splat(1.5 * text_px);
+    let free = f64::from(size[1]) - sheet.covered_below;
+    let corner = DVec2::new(f64::from(size[0]), free) - DVec2::splat(1.5 * text_px);
     if decor.scale_bar {
         let depth = lens.depth(DVec3::from_array(camera.target));
         let pixels_per_unit = lens.pixels_per_unit(depth);
@@ -134,10 +183,14 @@ pub fn overlay(
         // Of a short bar the text is wider.
         let text = format!("{length} {unit}{where_to}");
         let half = 0.28 * text_px * text.chars().count() as f64;
-        overlay.texts.push((DVec2::new(middle.x.max(left.x + half), middle.y), text));
+        let at = DVec2::new(middle.x.max(left.x + half), middle.y);
+        overlay.labels.push(Label { at, align: Align::Middle, text });
     }
     if decor.north_arrow {
         north_arrow(&mut overlay, &lens, corner, text_px);
+    }
+    if let Some(legend) = legend.filter(|_| decor.legend) {
+        legend_layout::lay_out(&mut overlay, legend, sheet);
     }
     Ok(overlay)
 }
@@ -184,7 +237,8 @@ fn north_arrow(overlay: &mut Overlay, lens: &Lens, corner: DVec2, text_px: f64) 
     }
     // Beyond the tip, or above where that points at the eye.
     let ahead = (tip - middle).try_normalize().unwrap_or(-DVec2::Y);
-    overlay.texts.push((tip + ahead * (0.7 * text_px), "N".to_owned()));
+    let at = tip + ahead * (0.7 * text_px);
+    overlay.labels.push(Label { at, align: Align::Middle, text: "N".to_owned() });
 }
 
 #[cfg(test)]
@@ -203,9 +257,11 @@ mod tests {
         }
     }
 
+    const SHEET: Sheet = Sheet { size: [640, 400], text_px: 12.0, covered_below: 0.0 };
+
     #[test]
     fn names_are_read_back() {
-        for text in ["box", "scale", "north", "box,scale", "box,scale,north"] {
+        for text in ["none", "legend", "box", "scale", "north", "box,scale", "box,scale,north,legend"] {
             assert_eq!(text.parse::<Decor>().expect(text).to_string(), text);
         }
         assert!("box,ruler".parse::<Decor>().is_err_and(|why| why.contains("north") && why.contains("`ruler`")));
@@ -229,7 +285,7 @@ mod tests {
             let from = DVec3::new(0.35, -1.0, 0.75);
             let camera = Camera::fit_as(&facts.bounds, &facts.grid, 1.6, from, projection);
             let decor = Decor { bounding_box: true, ..Default::default() };
-            let overlay = overlay(decor, &camera, [640, 400], &facts, 12.0).expect("a camera");
+            let overlay = overlay(decor, &camera, &facts, None, &SHEET).expect("a camera");
             assert_eq!(overlay.lines.len(), 12);
             let view = camera.view(&facts.grid, [640, 400], 1).expect("a camera");
             for k in 0..8 {
@@ -263,9 +319,9 @@ mod tests {
             let eye = [target[0], target[1], target[2] + 150.0];
             let camera = Camera { eye, target, up: [0.0, 1.0, 0.0], projection, ..Default::default() };
             let decor = Decor { scale_bar: true, north_arrow: true, ..Default::default() };
-            let overlay = overlay(decor, &camera, [640, 400], &facts, 12.0).expect("a camera");
+            let overlay = overlay(decor, &camera, &facts, None, &SHEET).expect("a camera");
             let [left, right] = overlay.lines[0].ends;
-            let (_, text) = &overlay.texts[0];
+            let text = &overlay.labels[0].text;
             let length: f64 = text.split(' ').next().and_then(|n| n.parse().ok()).expect("a number");
             assert!(text.contains(" m"), "{text}");
             let view = camera.view(&facts.grid, [640, 400], 1).expect("a camera");
@@ -276,7 +332,7 @@ mod tests {
             assert!((at(0.5 * length) - at(-0.5 * length) - (right.x - left.x)).abs() <= 1.0, "{text}");
             // From above, north is up.
             let tip = overlay.triangles[0][0];
-            assert!(overlay.triangles[0][1].y > tip.y + 10.0 && overlay.texts[1].0.y < tip.y, "{overlay:?}");
+            assert!(overlay.triangles[0][1].y > tip.y + 10.0 && overlay.labels[1].at.y < tip.y, "{overlay:?}");
         }
     }
 

@@ -27,6 +27,7 @@ mod holes;
 mod in_motion;
 mod keys;
 mod legend;
+mod legend_layout;
 mod lens;
 mod look;
 mod paint;
@@ -53,7 +54,7 @@ pub use coloring::{
 };
 pub use column::{ColumnColors, ColumnId, Keys, Lookup};
 pub use cpu::{CpuBackend, list_visible};
-pub use decor::{Decor, Line, Overlay, overlay, unit_name};
+pub use decor::{Align, Decor, Label, Line, Overlay, Plate, Sheet, overlay, unit_name};
 pub use filter::{
     Clause, ClauseError, Clip, ClipBox, ClipError, Filter, Key, MaskRules, Place, Slab, Test, Values, ValuesError,
 };

@@ -17,7 +17,6 @@ use super::{
     dialogs::{Chosen, Dialogs},
     help,
     keys::Command,
-    legend,
     loading::Loading,
     messages::{Messages, Severity},
     models::{self, Spread},
@@ -34,7 +33,7 @@ use super::{
 };
 use crate::{
     headless,
-    render::{self, Backend, FillBudget, GpuBackend, Picture, RenderError},
+    render::{self, Backend, FillBudget, GpuBackend, Picture, RenderError, Sheet},
     scene::Attribute,
 };
 
@@ -202,12 +201,17 @@ impl App {
         }
     }
 
-    /// Draws the box, scale bar and arrow over a picture for a file, as `render` does.
+    /// Draws over a picture for a file, as `render` does.
     fn decorate(&self, picture: &mut Picture) {
-        let (decor, size) = (self.settings.look.decor, [picture.width, picture.height]);
-        if let (false, Some(navigation), Some(facts)) = (decor.is_empty(), &self.scene.navigation, self.scene.facts())
-            && let Ok(overlay) = render::overlay(decor, navigation.camera(), size, facts, headless::text_px(size))
-        {
+        let decor = self.settings.look.decor;
+        let (false, Some(navigation), Some(facts)) = (decor.is_empty(), &self.scene.navigation, self.scene.facts())
+        else {
+            return;
+        };
+        let size = [picture.width, picture.height];
+        let sheet = Sheet { size, text_px: headless::text_px(size), covered_below: 0.0 };
+        let legend = self.scene.progressive.legend();
+        if let Ok(overlay) = render::overlay(decor, navigation.camera(), facts, legend.as_ref(), &sheet) {
             headless::decorate(picture, &overlay, navigation.camera().projection);
         }
     }
@@ -348,12 +352,7 @@ impl App {
             overlay::invitation(ui, rect, waiting_for.as_deref(), background, self.on_wayland);
         }
         if let (Some(navigation), Some(facts)) = (&self.scene.navigation, self.scene.facts()) {
-            decor::paint(ui, rect, &self.settings, navigation.camera(), facts);
-        }
-        if self.settings.legend
-            && let Some(legend) = &self.spread.legend
-        {
-            legend::show(ui, rect, legend);
+            decor::paint(ui, rect, &self.settings, navigation.camera(), facts, self.spread.legend.as_ref());
         }
         if self.settings.help {
             help::show(ui.ctx(), &mut self.settings);

@@ -12,7 +12,6 @@ mod format;
 mod help;
 mod input;
 mod keys;
-mod legend;
 mod loading;
 mod messages;
 mod models;

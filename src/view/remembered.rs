@@ -44,7 +44,6 @@ pub struct Remembered {
     pub theme: Theme,
     /// The camera goes to views on a short way.
     pub smooth: bool,
-    pub legend: bool,
     /// Width and height of the window, in points.
     pub window: [f32; 2],
     /// Files and folders, the last opened first.
@@ -64,7 +63,6 @@ impl Default for Remembered {
             sections: vec![Section::Files, Section::Color, Section::Look],
             theme: Theme::default(),
             smooth: true,
-            legend: true,
             window: [1280.0, 800.0],
             recent: Vec::new(),
             bookmarks: Vec::new(),
@@ -87,7 +85,6 @@ impl Remembered {
             sections: field(&mut map, "sections", default.sections),
             theme: field(&mut map, "theme", default.theme),
             smooth: field(&mut map, "smooth", default.smooth),
-            legend: field(&mut map, "legend", default.legend),
             window: field(&mut map, "window", default.window).map(|side: f32| side.clamp(160.0, 16_384.0)),
             recent: field(&mut map, "recent", Vec::new()),
             bookmarks: field(&mut map, "bookmarks", Vec::new()),

@@ -24,8 +24,6 @@ pub struct Settings {
     pub theme: Theme,
     /// The camera goes to a view that is asked for on a short way, instead of jumping there.
     pub smooth: bool,
-    /// What the colours mean, over the picture.
-    pub legend: bool,
     pub help: bool,
 }
 
@@ -71,7 +69,11 @@ impl Settings {
     pub fn new(options: &Options, remembered: &Remembered) -> Settings {
         let mut look = match &remembered.look {
             Some(look) => with_given(look, &options.look, &options.given),
-            None => options.look.clone(),
+            None => {
+                let mut look = options.look.clone();
+                look.decor.legend |= !options.given.contains(&"/decor");
+                look
+            }
         };
         // Switched off, it comes back with the usual strength.
         let edl = look.shading.edl_strength > 0.0;
@@ -87,7 +89,6 @@ impl Settings {
             sections: remembered.sections.iter().copied().collect(),
             theme: remembered.theme,
             smooth: remembered.smooth,
-            legend: remembered.legend,
             help: false,
         }
     }
@@ -102,7 +103,6 @@ impl Settings {
         remembered.sections = self.sections.iter().copied().collect();
         remembered.theme = self.theme;
         remembered.smooth = self.smooth;
-        remembered.legend = self.legend;
     }
 
     /// What belongs to one scan must not hide another one.
@@ -172,6 +172,16 @@ mod tests {
         let given = Settings::new(&options, &remembered());
         assert_eq!((given.look.point_size, given.edl), (2.into(), true));
         assert!(given.look.shading.high_quality, "what was not given is as it was");
+    }
+
+    #[test]
+    fn a_first_window_has_a_legend_unless_other_decor_is_given() {
+        let of = |given| {
+            let look = Look { decor: "box".parse().unwrap(), ..Default::default() };
+            Settings::new(&Options { look, given, ..Default::default() }, &Remembered::default()).look.decor.to_string()
+        };
+        assert_eq!(of(vec![]), "box,legend");
+        assert_eq!(of(vec!["/decor"]), "box");
     }
 
     #[test]

@@ -81,7 +81,7 @@ pub fn contents(ui: &mut Ui, settings: &mut Settings, model: &mut Model<'_>, req
     });
     section(ui, settings, Section::Color, "Colour", |ui, settings| {
         let look = &mut settings.look;
-        color::show(ui, model.colors, &mut look.coloring, &mut look.filter, &mut settings.legend);
+        color::show(ui, model.colors, &mut look.coloring, &mut look.filter, &mut look.decor.legend);
     });
     section(ui, settings, Section::Filter, "Filter", |ui, settings| {
         let look = &mut settings.look;

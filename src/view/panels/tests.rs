@@ -317,7 +317,7 @@ fn colours_are_chosen_and_their_range_is_dragged() {
     assert_eq!(coloring(&harness).map, Some(ColorMap::Turbo));
     harness.get_by_label("Legend").click();
     harness.run();
-    assert!(!harness.state().settings.legend);
+    assert!(!harness.state().settings.look.decor.legend);
 }
 
 #[test]
