@@ -37,7 +37,7 @@ pub fn lay_out(overlay: &mut Overlay, legend: &Legend, sheet: &Sheet) {
         LegendKey::Scale { colors, ticks, .. } => head + page.scale(colors, ticks, (room - head - ROW).min(BAR)),
     };
     let size = DVec2::new(page.widest + 2.0 * MARGIN, height);
-    if height < head + 2.0 || height > room || size.x > 0.6 * picture_width {
+    if height < head + ROW || height > room || size.x > 0.6 * picture_width {
         return;
     }
     let corner = DVec2::new(picture_width - 1.0 - size.x, 1.0);
@@ -83,8 +83,11 @@ impl Page {
         ROW * (named + 1) as f64
     }
 
-    /// A bar of colours with the values beside it. Gives the height they take.
+    /// A bar of colours with the values beside it. Gives the height they take, 0 if that is too little to read.
     fn scale(&mut self, colors: &[[u8; 3]], ticks: &[Tick], height: f64) -> f64 {
+        if height < 2.0 {
+            return 0.0;
+        }
         // The text beside its lower and upper end is as high as a row.
         let at = |share: f64| 1.5 * ROW + height * (1.0 - share);
         let colored = colors.len().max(1) as f64;
@@ -137,7 +140,7 @@ mod tests {
                 for covered in [0.0, 48.0] {
                     let overlay = laid_out(&legend, size, covered);
                     let Some(ground) = overlay.plates.first() else {
-                        assert!(overlay.labels.is_empty() && size[0].min(size[1]) < 200, "{size:?}");
+                        assert!(overlay.labels.is_empty() && (size[0] < 200 || size[1] <= 100), "{size:?}");
                         continue;
                     };
                     shown += 1;
