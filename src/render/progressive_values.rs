@@ -124,7 +124,8 @@ impl<B: Backend> Progressive<B> {
         }
     }
 
-    /// What the colours mean; `None` for RGB, and for automatic colours, which differ from file to file.
+    /// What the colours mean; `None` for RGB, for automatic colours, which differ from file to file, and as long as
+    /// there are no values.
     pub fn legend(&self) -> Option<Legend> {
         let (scene, attribute) = (self.scene.as_ref()?, legend::subject(&self.coloring)?);
         let title = legend::title(attribute, scene);
@@ -139,6 +140,7 @@ impl<B: Backend> Progressive<B> {
             };
             LegendKey::Classes(legend::classes(&self.coloring, attribute, &self.counts(attribute), color, scene))
         } else {
+            self.extent(attribute)?;
             let scale = self.scale(attribute);
             let ramp = colors.column.as_ref().map_or(&colors.ramp, |column| &column.colors);
             LegendKey::Scale {

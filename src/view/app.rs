@@ -26,15 +26,15 @@ use super::{
     panels::{self, Typed, performance::Performance, share::Share},
     remembered::{Remembered, Store},
     requests::{Choose, Request},
-    scene_state::{self, SceneState, Taken},
+    scene_state::{self, SceneState, Shot, Taken},
     screenshot::{self, ShotOptions, Writing},
     settings::{Section, Settings},
     touch::Touch,
 };
 use crate::{
     headless,
-    render::{self, Backend, FillBudget, GpuBackend, Picture, RenderError, Sheet},
-    scene::Attribute,
+    render::{self, Backend, Camera, ColorBy, FillBudget, GpuBackend, Picture, RenderError, Sheet},
+    scene::{Attribute, FileFacts, SceneFacts},
 };
 
 /// How often the numbers are brought up to date while nothing else asks for a frame.
@@ -58,6 +58,8 @@ pub struct App {
     performance: Performance,
     writing: Option<Writing>,
     spread: Spread,
+    /// The file that the bookmarks in hand are kept with.
+    bookmarked: Option<PathBuf>,
     on_wayland: bool,
 }
 
@@ -93,6 +95,7 @@ impl App {
             performance: Performance::default(),
             writing: None,
             spread: Spread::default(),
+            bookmarked: None,
             on_wayland: super::is_on_wayland(),
         };
         if !options.inputs.is_empty() {
@@ -102,23 +105,53 @@ impl App {
     }
 
     fn take_incoming(&mut self, ctx: &Context) {
-        let is_first = self.scene.loading.is_none();
+        let before = self.scene.facts().cloned();
         let taken = self.scene.take_incoming(ctx, &mut self.messages, self.size);
         let Taken::Scene { inputs, keeps_view } = taken else { return };
+        self.note_all();
         self.remembered.note_opened(&inputs);
         self.performance.forget_threads();
         // What was kept of the scene before means nothing in this one; of the same files and others, moves still do.
         self.touch = if keeps_view { self.touch.in_same_place() } else { Touch::default() };
         // What the command line gave is meant for the first one.
-        if !keeps_view && !is_first {
-            self.settings.forget_scene();
+        if let Some(before) = before {
+            if keeps_view {
+                self.follow_files(&before);
+            } else {
+                self.settings.forget_scene();
+            }
         }
+        self.leave_absent_colors();
         let first = self.first_file();
-        if let Some(first) = first.as_ref().filter(|_| !keeps_view) {
-            self.touch.hand.bookmarks = self.remembered.bookmarks_of(first);
+        if let Some(file) = first.as_ref().filter(|file| !keeps_view || self.bookmarked.as_ref() != Some(file)) {
+            self.touch.hand.bookmarks.merge(self.remembered.bookmarks_of(file));
+            self.bookmarked = Some(file.clone());
         }
         self.share.path = screenshot::default_path(first.as_deref()).display().to_string();
         self.share.may_replace = false;
+    }
+
+    /// Files that were hidden stay hidden, by the numbers that they have now.
+    fn follow_files(&mut self, before: &SceneFacts) {
+        let Some(facts) = self.scene.facts() else { return };
+        let is_gone = |file: &FileFacts| facts.files.iter().all(|other| other.path != file.path);
+        let mut left = before.files.len();
+        for (number, _) in before.files.iter().enumerate().rev().filter(|(_, file)| is_gone(file)) {
+            panels::files::forget_file(&mut self.settings.look.filter, left, number);
+            left -= 1;
+        }
+    }
+
+    /// Colours that no file of this scene has are those of another one.
+    fn leave_absent_colors(&mut self) {
+        let coloring = &mut self.settings.look.coloring;
+        if let Some(facts) = self.scene.facts()
+            && !facts.files.iter().any(|file| coloring.by.is_in(file))
+        {
+            let title = panels::color::title(&coloring.by);
+            self.messages.add(Severity::Note, format!("{title} is in none of these files: coloured automatically"));
+            (coloring.by, coloring.range) = (ColorBy::Auto, None);
+        }
     }
 
     /// Lets points in and draws; true if the next frame should follow at once.
@@ -152,11 +185,7 @@ impl App {
                 }
             }
             Request::StopReading => self.scene.stop_reading(),
-            Request::CloseFile(file) => {
-                let files = self.scene.facts().map_or(0, |facts| facts.files.len());
-                panels::files::forget_file(&mut self.settings.look.filter, files, file);
-                self.scene.close_file(ctx, file, &self.settings);
-            }
+            Request::CloseFile(file) => self.scene.close_file(ctx, file, &self.settings),
             Request::Read(attribute) => self.scene.ask_for(attribute),
             Request::ForgetRecent => self.remembered.recent.clear(),
             Request::Screenshot(options) => self.begin_shot(options),
@@ -173,17 +202,24 @@ impl App {
     }
 
     fn begin_shot(&mut self, options: ShotOptions) {
-        if self.scene.navigation.is_some() && self.writing.is_none() && !options.path.as_os_str().is_empty() {
-            self.scene.shot = Some(options);
+        let Some(navigation) = &self.scene.navigation else { return };
+        if self.writing.is_some() {
+            self.messages.add(Severity::Note, "A picture is still being written; try again in a moment");
+        } else if options.path.as_os_str().is_empty() {
+            self.messages.add(Severity::Error, "The picture needs a path: see Pictures in the panel");
+        } else {
+            self.scene.shot = Some(Shot { options, camera: *navigation.camera() });
+            // The dialog asked once, for one picture.
+            self.share.may_replace = false;
         }
     }
 
     /// Takes the picture that was asked for, once it is ready, and tells where it is, once it is written.
     fn go_on_with_shot(&mut self, ctx: &Context) {
-        if let Some((options, picture)) = self.scene.take_shot(&self.settings) {
+        if let Some((Shot { options, camera }, picture)) = self.scene.take_shot(&self.settings) {
             match picture {
                 Ok(mut picture) => {
-                    self.decorate(&mut picture);
+                    self.decorate(&mut picture, &camera);
                     self.writing = Some(Writing::start(ctx, &options, picture));
                 }
                 Err(error) => self.messages.add(Severity::Error, scene_state::sentence(&error)),
@@ -202,17 +238,14 @@ impl App {
     }
 
     /// Draws over a picture for a file, as `render` does.
-    fn decorate(&self, picture: &mut Picture) {
+    fn decorate(&self, picture: &mut Picture, camera: &Camera) {
         let decor = self.settings.look.decor;
-        let (false, Some(navigation), Some(facts)) = (decor.is_empty(), &self.scene.navigation, self.scene.facts())
-        else {
-            return;
-        };
+        let (false, Some(facts)) = (decor.is_empty(), self.scene.facts()) else { return };
         let size = [picture.width, picture.height];
         let sheet = Sheet { size, text_px: headless::text_px(size), covered_below: 0.0 };
         let legend = self.scene.progressive.legend();
-        if let Ok(overlay) = render::overlay(decor, navigation.camera(), facts, legend.as_ref(), &sheet) {
-            headless::decorate(picture, &overlay, navigation.camera().projection);
+        if let Ok(overlay) = render::overlay(decor, camera, facts, legend.as_ref(), &sheet) {
+            headless::decorate(picture, &overlay, camera.projection);
         }
     }
 
@@ -229,9 +262,8 @@ impl App {
     }
 
     /// Keys of the window itself; those of the picture are `input`'s.
-    fn window_keys(&mut self, ctx: &Context) -> Vec<Request> {
+    fn window_keys(&mut self, ctx: &Context, is_typing: bool) -> Vec<Request> {
         let ctrl_shift = Modifiers::COMMAND | Modifiers::SHIFT;
-        let is_typing = ctx.egui_wants_keyboard_input();
         let mut requests = Vec::new();
         ctx.input_mut(|i| {
             let add = self.typed.add;
@@ -249,10 +281,15 @@ impl App {
                 requests.push(Request::Screenshot(self.share.options()));
             }
             if !is_typing {
-                let forward = i.consume_key(Modifiers::NONE, Key::V);
-                if forward || i.consume_key(Modifiers::SHIFT, Key::V) {
-                    self.spread.colors.step(&mut self.settings.look.coloring, forward);
-                    log::debug!("colours by {}", self.settings.look.coloring.by);
+                // A slow frame may have several. With Shift first: without, any is meant.
+                for (modifiers, forward) in [(Modifiers::SHIFT, false), (Modifiers::NONE, true)] {
+                    for _ in 0..i.count_and_consume_key(modifiers, Key::V) {
+                        self.spread.colors.step(&mut self.settings.look.coloring, forward);
+                        log::debug!("colours by {}", self.settings.look.coloring.by);
+                    }
+                }
+                if self.scene.shot.is_some() && i.consume_key(Modifiers::NONE, Key::Escape) {
+                    requests.push(Request::StopScreenshot);
                 }
             }
             if i.consume_key(Modifiers::NONE, Key::F6) {
@@ -358,7 +395,7 @@ impl App {
             help::show(ui.ctx(), &mut self.settings);
         }
         if self.scene.shot.is_some() {
-            overlay::taking_picture(ui.ctx(), rect, self.share.taking);
+            overlay::waiting_for_picture(ui.ctx(), rect, self.scene.read_for_shot());
         }
         self.messages.show(ui.ctx(), rect);
         if ui.input(|i| !i.raw.hovered_files.is_empty()) {
@@ -396,8 +433,8 @@ impl App {
     /// Settings and bookmarks as they are now.
     fn note_all(&mut self) {
         self.settings.note(&mut self.remembered);
-        if let Some(first) = self.first_file() {
-            self.remembered.set_bookmarks(&first, &self.touch.hand.bookmarks);
+        if let Some(file) = &self.bookmarked {
+            self.remembered.set_bookmarks(file, &self.touch.hand.bookmarks);
         }
     }
 
@@ -454,13 +491,16 @@ impl eframe::App for App {
         let ctx = ui.ctx().clone();
         let before = self.settings.clone();
 
-        let mut requests = self.window_keys(&ctx);
+        // Before the panel takes a key that ends the typing.
+        let is_typing = ctx.egui_wants_keyboard_input();
+        let mut requests = self.window_keys(&ctx, is_typing);
         let add = self.typed.add;
         let dropped: Vec<PathBuf> = ctx.input(|i| i.raw.dropped_files.iter().map(|f| f.path().to_owned()).collect());
         if !dropped.is_empty() {
             requests.push(Request::Open { inputs: dropped, add });
         }
         self.take_dialog(&ctx);
+        self.scene.follow_coloring(&mut self.messages, &self.settings);
         self.spread.refresh(&ctx, &mut self.scene, &self.settings);
         requests.extend(self.show_panel(ui));
         let obeyed = !requests.is_empty();
@@ -472,7 +512,7 @@ impl eframe::App for App {
         self.take_incoming(&ctx);
 
         let picture = ui.interact(rect, Id::unique("picture"), Sense::click_and_drag());
-        let moving = self.touch.steer(&ctx, &picture, self.size, &mut self.scene, &mut self.settings);
+        let moving = self.touch.steer(&ctx, &picture, self.size, is_typing, &mut self.scene, &mut self.settings);
 
         // Nobody will see the frame after the last.
         let closing = ctx.input(|i| i.viewport().close_requested());

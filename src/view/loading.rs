@@ -7,7 +7,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use crossbeam_channel::TryRecvError;
+use crossbeam_channel::{RecvTimeoutError, TryRecvError};
 
 use crate::{
     render::{Backend, Progressive},
@@ -17,6 +17,9 @@ use crate::{
 
 /// Speed is shown as an average over this long.
 const RATE_WINDOW: Duration = Duration::from_secs(1);
+
+/// How long a frame waits for one more batch: longer than a thread takes to wake and to pass one on.
+const NEXT_BATCH: Duration = Duration::from_micros(200);
 
 /// Said when the channel closes before its last event.
 pub const LOST: &str = "the reader stopped without saying why; this is a defect of firstlight, please report it";
@@ -120,7 +123,8 @@ impl Loading {
             if !store.wants_points() || began.elapsed() > most {
                 break None;
             }
-            match stream.events().try_recv() {
+            // The decoders of many small files wait for room in the channel and fill it at once.
+            match stream.events().recv_timeout(NEXT_BATCH) {
                 Ok(Event::Batch(batch)) => {
                     self.points_read += batch.len() as u64;
                     if let Some(read) = self.read_by_file.get_mut(batch.file as usize) {
@@ -134,11 +138,11 @@ impl Loading {
                 }
                 Ok(Event::Failed(error)) => break Some(End::Failed(error.to_string())),
                 Ok(Event::Opened(_)) => {}
-                Err(TryRecvError::Empty) => {
+                Err(RecvTimeoutError::Timeout) => {
                     self.note_rate();
                     return Drained::Empty;
                 }
-                Err(TryRecvError::Disconnected) => break Some(End::Failed(LOST.into())),
+                Err(RecvTimeoutError::Disconnected) => break Some(End::Failed(LOST.into())),
             }
         };
         self.note_rate();

@@ -100,12 +100,8 @@ pub fn share(share: &mut Share, scene: &SceneState, settings: &Settings, window_
     share.window_size = window_size;
     share.has_scene = scene.navigation.is_some();
     share.command = command(scene, settings, share.size.unwrap_or(window_size));
-    let done = |(tried, stored): (u64, u64)| (tried as f32 / stored.max(1) as f32).min(1.0);
     share.taking = match &scene.shot {
-        Some(_) => Some(scene.last_report.map_or(0.0, |report| {
-            let stored = scene.facts().map_or(report.points_stored, |facts| facts.points_in_header());
-            done((report.points_tried, stored.max(report.points_stored)))
-        })),
+        Some(_) => Some(scene.read_for_shot()),
         None => is_writing.then_some(1.0),
     };
 }
@@ -146,6 +142,11 @@ impl Spread {
     /// Brings it up to date, or asks for a frame in which it will be.
     pub fn refresh(&mut self, ctx: &Context, scene: &mut SceneState, settings: &Settings) {
         let shown = scene.progressive.points_shown();
+        if settings.shows(Section::Filter)
+            && scene.facts().is_some_and(|facts| facts.files.iter().any(|file| Attribute::Classification.is_in(file)))
+        {
+            scene.want(Attribute::Classification);
+        }
         let scene = &*scene;
         let Some(facts) = scene.facts() else { return };
         let progressive = &scene.progressive;
@@ -156,7 +157,7 @@ impl Spread {
             points_stored: progressive.points_stored(),
             points_shown: shown,
             coloring: settings.look.coloring.clone(),
-            sections: [Section::Color, Section::Filter].map(|s| settings.panel && settings.sections.contains(&s)),
+            sections: [Section::Color, Section::Filter].map(|section| settings.shows(section)),
             cannot_average: is_high && !progressive.can_average(),
             // In steps that a bar shows.
             reading: scene.rereading.progress().map(|(_, points)| points * 200 / facts.points_in_header().max(1)),
@@ -171,7 +172,11 @@ impl Spread {
         if is_same && !left.is_zero() {
             return ctx.request_repaint_after(left);
         }
-        self.colors = colors(scene, facts, &all, settings);
+        // Under a hand that drags the range, the histogram stays as it is.
+        let held =
+            self.key.as_ref().is_some_and(|k| k.coloring.by == key.coloring.by) && ctx.input(|i| i.pointer.any_down());
+        let extent = self.colors.extent.filter(|_| held);
+        self.colors = colors(scene, facts, &all, settings, extent);
         self.filters = if key.sections[1] {
             filters(scene, facts, &all, &settings.look.coloring, shown)
         } else {
@@ -198,7 +203,13 @@ fn attributes(facts: &SceneFacts) -> Vec<Attribute> {
     all
 }
 
-fn colors(scene: &SceneState, facts: &SceneFacts, all: &[Attribute], settings: &Settings) -> Colors {
+fn colors(
+    scene: &SceneState,
+    facts: &SceneFacts,
+    all: &[Attribute],
+    settings: &Settings,
+    held_extent: Option<[f64; 2]>,
+) -> Colors {
     let coloring = &settings.look.coloring;
     let progressive = &scene.progressive;
     let has_rgb = facts.files.iter().any(|file| ColorBy::Rgb.is_in(file));
@@ -221,9 +232,13 @@ fn colors(scene: &SceneState, facts: &SceneFacts, all: &[Attribute], settings: &
     }
     let Some(extent) = progressive.extent(attribute) else { return colors };
     let scale = progressive.scale(attribute);
-    // A quarter of the range in use beside it: one outlier must not press all others into one bar.
-    let room = (scale.high - scale.low) * 0.25;
-    let shown = [(scale.low - room).max(extent[0].min(scale.low)), (scale.high + room).min(extent[1].max(scale.high))];
+    // A quarter of the range in use beside it: one outlier must not press all others into one bar. And never so little
+    // that a range without width could not be pulled apart.
+    let room = ((scale.high - scale.low) * 0.25).max((extent[1] - extent[0]) * 1e-3);
+    let shown = held_extent.unwrap_or([
+        (scale.low - room).max(extent[0].min(scale.low)),
+        (scale.high + room).min(extent[1].max(scale.high)),
+    ]);
     colors.range = Some([scale.low, scale.high]);
     colors.bars = progressive.histogram(attribute, shown, BARS).unwrap_or_default();
     colors.extent = Some(shown);

@@ -258,12 +258,15 @@ pub fn invitation(ui: &Ui, screen: Rect, waiting_for: Option<&str>, background: 
     paint(30.0, second, 14.0, color.gamma_multiply(0.7));
 }
 
-/// Over the picture while one is taken for a file: what lies under it may have another size.
-pub fn taking_picture(ctx: &egui::Context, screen: Rect, done: Option<f32>) {
-    let painter = ctx.layer_painter(egui::LayerId::new(Order::Middle, Id::unique("taking a picture")));
-    painter.rect_filled(screen, CornerRadius::ZERO, Color32::from_black_alpha(150));
-    let text = done.map_or(String::new(), |done| format!("Taking the picture … {:.0} %", (done * 100.0).floor()));
-    painter.text(screen.center(), Align2::CENTER_CENTER, text, FontId::proportional(24.0), Color32::WHITE);
+/// Over the picture while one for a file waits for its points.
+pub fn waiting_for_picture(ctx: &egui::Context, screen: Rect, read: f32) {
+    let painter = ctx.layer_painter(egui::LayerId::new(Order::Middle, Id::unique("waiting for a picture")));
+    let read = (read * 100.0).floor();
+    let text = format!("The picture of this view is taken once all is read … {read:.0} % (Esc stops it)");
+    let text = painter.layout(text, FontId::proportional(15.0), Color32::WHITE, screen.width() - 40.0);
+    let plate = Rect::from_center_size(screen.center_top() + vec2(0.0, 40.0), text.size() + vec2(20.0, 12.0));
+    painter.rect_filled(plate, CornerRadius::same(6), Color32::from_black_alpha(200));
+    painter.galley(plate.min + vec2(10.0, 6.0), text, Color32::WHITE);
 }
 
 /// Shown while files hover over the window.

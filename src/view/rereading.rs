@@ -20,7 +20,7 @@ use crate::{
 #[derive(Default)]
 pub struct Rereading {
     running: Option<Running>,
-    /// What could not be read; not tried again with this scene.
+    /// What could not be read; not tried again unless the user asks for it.
     failed: Vec<Attribute>,
 }
 
@@ -34,6 +34,11 @@ impl Rereading {
     /// What is being read, and how many of its points have come.
     pub fn progress(&self) -> Option<(&[Attribute], u64)> {
         self.running.as_ref().map(|running| (&running.attributes[..], running.points))
+    }
+
+    /// Tries this again if it is wanted, although it could not be read.
+    pub fn retry(&mut self, attribute: &Attribute) {
+        self.failed.retain(|failed| failed != attribute);
     }
 
     /// Begins to read what is wanted and lacking, together with what is wanted and being read.

@@ -15,12 +15,12 @@ use super::{
     navigation::Navigation,
     rereading::Rereading,
     screenshot::ShotOptions,
-    settings::Settings,
+    settings::{Section, Settings},
 };
 use crate::{
     render::{
-        Backend, CameraError, FillBudget, FrameReport, FrameRequest, GpuBackend, Picture, Progressive, RenderError,
-        StoreOptions, View,
+        Backend, Camera, CameraError, FillBudget, FrameReport, FrameRequest, GpuBackend, Picture, Progressive,
+        RenderError, StoreOptions, View,
     },
     scene::{Attribute, SceneFacts},
 };
@@ -50,10 +50,16 @@ pub struct SceneState {
     pub rereading: Rereading,
     /// Size of the picture that could not be drawn; another may do.
     undrawable: Option<([u32; 2], bool, bool)>,
-    /// The picture that is being taken for a file.
-    pub shot: Option<ShotOptions>,
+    /// The picture that is to be taken for a file.
+    pub shot: Option<Shot>,
     /// Attributes that the panel asks for, besides those of the look.
     asked: Vec<Attribute>,
+}
+
+/// A picture that is to be taken, of what the camera saw when it was asked for.
+pub struct Shot {
+    pub options: ShotOptions,
+    pub camera: Camera,
 }
 
 /// A scene whose headers are being read.
@@ -62,6 +68,8 @@ pub struct Incoming {
     pub inputs: Vec<PathBuf>,
     /// The camera stays where it is.
     keeps_view: bool,
+    /// Files on screen that this one is to be without.
+    closed: Vec<PathBuf>,
 }
 
 /// What [`SceneState::take_incoming`] found.
@@ -109,30 +117,54 @@ impl SceneState {
     /// with those on screen, all of them anew: scenes have one grid.
     pub fn open(&mut self, ctx: &Context, inputs: Vec<PathBuf>, add: bool, settings: &Settings) {
         if !add || self.loading.is_none() {
-            return self.start(ctx, inputs, false, settings);
+            return self.start(ctx, inputs, false, Vec::new(), settings);
         }
-        let mut all = self.inputs.clone();
-        all.extend(inputs.into_iter().filter(|input| !self.inputs.contains(input)));
-        self.start(ctx, all, true, settings);
+        // What was asked for last counts, on screen or not yet.
+        let (mut all, closed) = match self.incoming.take() {
+            Some(incoming) => (incoming.inputs, incoming.closed),
+            None => (self.inputs.clone(), Vec::new()),
+        };
+        let others: Vec<PathBuf> = inputs.into_iter().filter(|input| !all.contains(input)).collect();
+        all.extend(others);
+        self.start(ctx, all, true, closed, settings);
     }
 
     /// Takes one file away; the others are read anew.
     pub fn close_file(&mut self, ctx: &Context, file: usize, settings: &Settings) {
         let Some(scene) = self.loading.as_ref().and_then(Loading::scene) else { return };
-        // A folder is no more than its files from here on.
-        let others = scene.files.iter().enumerate().filter(|(i, _)| *i != file);
-        let others: Vec<PathBuf> = others.map(|(_, file)| file.path.clone()).collect();
+        let Some(path) = scene.files.get(file).map(|file| file.path.clone()) else { return };
+        let (asked, mut closed) = match self.incoming.as_ref() {
+            Some(incoming) => (&incoming.inputs, incoming.closed.clone()),
+            None => (&self.inputs, Vec::new()),
+        };
+        closed.push(path);
+        // A folder is no more than its files from here on; what is being added stays.
+        let kept = scene.files.iter().map(|file| &file.path).filter(|path| !closed.contains(path));
+        let added =
+            asked.iter().filter(|input| !self.inputs.contains(input) && !scene.files.iter().any(|f| f.path == **input));
+        let others: Vec<PathBuf> = kept.chain(added).cloned().collect();
         if !others.is_empty() {
-            self.start(ctx, others, true, settings);
+            self.start(ctx, others, true, closed, settings);
         }
     }
 
-    fn start(&mut self, ctx: &Context, inputs: Vec<PathBuf>, keeps_view: bool, settings: &Settings) {
+    fn start(
+        &mut self,
+        ctx: &Context,
+        inputs: Vec<PathBuf>,
+        keeps_view: bool,
+        closed: Vec<PathBuf>,
+        settings: &Settings,
+    ) {
         let ctx = ctx.clone();
         let wake = Arc::new(move || ctx.request_repaint());
-        let carried = settings.look.attributes();
+        let mut carried = settings.look.attributes();
+        // The section counts classes while they come.
+        if settings.shows(Section::Filter) && !carried.contains(&Attribute::Classification) {
+            carried.push(Attribute::Classification);
+        }
         let loading = Loading::start(&inputs, self.threads, carried, wake);
-        self.incoming = Some(Incoming { loading, inputs, keeps_view });
+        self.incoming = Some(Incoming { loading, inputs, keeps_view, closed });
     }
 
     /// Takes over the incoming scene once its headers are read.
@@ -153,8 +185,12 @@ impl SceneState {
                 for warning in &scene.warnings {
                     messages.add(Severity::Note, warning.as_str());
                 }
-                for absence in self.progressive.coloring().absences(&scene) {
-                    messages.add(Severity::Note, absence);
+                // Where no file has it, the points are coloured by something else, which is said then.
+                let coloring = self.progressive.coloring();
+                if scene.files.iter().any(|file| coloring.by.is_in(file)) {
+                    for absence in coloring.absences(&scene) {
+                        messages.add(Severity::Note, absence);
+                    }
                 }
                 let title = format!("{} – firstlight", title(&scene, inputs));
                 ctx.send_viewport_cmd(ViewportCommand::Title(title));
@@ -166,7 +202,7 @@ impl SceneState {
                 self.undrawable = None;
                 self.last_report = None;
                 self.shot = None;
-                if let Some(Incoming { loading, inputs, keeps_view }) = self.incoming.take() {
+                if let Some(Incoming { loading, inputs, keeps_view, .. }) = self.incoming.take() {
                     if let Some(before) = self.navigation.as_ref().filter(|_| keeps_view) {
                         navigation.set_camera(*before.camera());
                     }
@@ -180,15 +216,24 @@ impl SceneState {
         Taken::Nothing
     }
 
-    /// Reads the values of one more attribute.
+    /// Reads the values of one more attribute, also if that has failed before.
     pub fn ask_for(&mut self, attribute: Attribute) {
+        self.rereading.retry(&attribute);
+        self.want(attribute);
+    }
+
+    /// Reads the values of one more attribute, unless that has failed.
+    pub fn want(&mut self, attribute: Attribute) {
         if !self.asked.contains(&attribute) {
             self.asked.push(attribute);
         }
     }
 
-    /// Stops reading; what is read stays.
+    /// Stops reading; what is read stays, and what is not on screen yet does not come.
     pub fn stop_reading(&mut self) {
+        if self.incoming.take().is_some() {
+            return;
+        }
         if let Some(loading) = self.loading.as_mut().filter(|loading| loading.is_running()) {
             loading.stop();
             self.progressive.end_of_input();
@@ -218,12 +263,21 @@ impl SceneState {
         again
     }
 
-    /// Sees to it that the values that the look takes are read, and lets them in; true if there may be more.
-    fn take_values(&mut self, ctx: &Context, messages: &mut Messages, settings: &Settings) -> bool {
-        if self.progressive.coloring() != &settings.look.coloring {
-            self.progressive.set_coloring(&settings.look.coloring);
+    /// Colours the points as the user wants them from now on. Before anything that tells what the colours mean.
+    pub fn follow_coloring(&mut self, messages: &mut Messages, settings: &Settings) {
+        let coloring = &settings.look.coloring;
+        if self.progressive.coloring() != coloring {
+            if let (true, Some(attribute)) = (self.progressive.coloring().by != coloring.by, coloring.by.attribute()) {
+                self.rereading.retry(attribute);
+            }
+            self.progressive.set_coloring(coloring);
             self.say_absences(messages, settings);
         }
+    }
+
+    /// Sees to it that the values that the look takes are read, and lets them in; true if there may be more.
+    fn take_values(&mut self, ctx: &Context, messages: &mut Messages, settings: &Settings) -> bool {
+        self.follow_coloring(messages, settings);
         let mut wanted = settings.look.attributes();
         wanted.extend(self.asked.iter().filter(|asked| !wanted.contains(asked)).cloned().collect::<Vec<_>>());
         let wake = || {
@@ -250,16 +304,9 @@ impl SceneState {
     }
 
     /// Lets points in and draws.
-    pub fn advance(
-        &mut self,
-        ctx: &Context,
-        messages: &mut Messages,
-        settings: &Settings,
-        window_size: [u32; 2],
-    ) -> Advance {
+    pub fn advance(&mut self, ctx: &Context, messages: &mut Messages, settings: &Settings, size: [u32; 2]) -> Advance {
         let mut again = self.take_points(messages);
         again |= self.take_values(ctx, messages, settings);
-        let size = self.shot.as_ref().filter(|shot| shot.wait).map_or(window_size, |shot| shot.size);
         let key = (size, settings.look.shading.high_quality, settings.look.shows_all());
         if size.contains(&0) || self.undrawable == Some(key) {
             return Advance { again, drawn: false };
@@ -284,7 +331,7 @@ impl SceneState {
                 // What is stored is still there to be shown.
                 let again =
                     again | matches!(error, RenderError::OutOfMemory { .. } | RenderError::NoMemoryForValues { .. });
-                if !again && self.shot.take().is_none() {
+                if !again {
                     self.undrawable = Some(key);
                 }
                 messages.add(Severity::Error, sentence(&error.to_string()));
@@ -293,28 +340,30 @@ impl SceneState {
         }
     }
 
-    /// The picture that is being taken, once it is as it was asked for.
-    pub fn take_shot(&mut self, settings: &Settings) -> Option<(ShotOptions, Result<Picture, String>)> {
-        let shot = self.shot.as_ref()?;
-        let is_shown = self.picture().is_some_and(|(_, size)| size == shot.size) && self.last_report.is_some();
-        if shot.wait {
-            let is_final = self.last_report.is_some_and(|report| report.is_converged()) && !self.is_loading();
-            if !(is_final && is_shown && self.rereading.progress().is_none()) {
-                return None;
-            }
+    /// The picture that was asked for, once it can be taken: then all points stored are drawn for it, whatever the
+    /// window shows meanwhile.
+    pub fn take_shot(&mut self, settings: &Settings) -> Option<(Shot, Result<Picture, String>)> {
+        let wait = self.shot.as_ref()?.options.wait;
+        if wait && (self.is_loading() || self.rereading.progress().is_some()) {
+            return None;
         }
         let shot = self.shot.take()?;
-        let picture = if is_shown {
-            self.progressive.read().map_err(|error| error.to_string())
-        } else {
-            self.whole_picture(settings, shot.size)
-        };
+        let picture = self.whole_picture(settings, &shot);
         Some((shot, picture))
     }
 
-    /// All points stored, at another size.
-    fn whole_picture(&mut self, settings: &Settings, size: [u32; 2]) -> Result<Picture, String> {
-        let view = self.view(settings, size).map_err(|error| error.to_string())?.ok_or("there is no scene")?;
+    /// How much is read of what a picture waits for, from 0 to 1.
+    pub fn read_for_shot(&self) -> f32 {
+        let Some(facts) = self.facts() else { return 0.0 };
+        let reread = self.rereading.progress().map(|(_, points)| points);
+        let read = self.loading.as_ref().map_or(0, Loading::points_read);
+        (reread.map_or(read, |reread| reread.min(read)) as f32 / facts.points_in_header().max(1) as f32).min(1.0)
+    }
+
+    fn whole_picture(&mut self, settings: &Settings, shot: &Shot) -> Result<Picture, String> {
+        let grid = *self.navigation.as_ref().ok_or("there is no scene")?.grid();
+        let size = shot.options.size;
+        let view = shot.camera.view(&grid, size, settings.look.point_size).map_err(|error| error.to_string())?;
         let request = FrameRequest { view, fill: self.fill, shading: settings.shading() };
         let drawn = self.progressive.backend_mut().resize(size).and_then(|()| self.progressive.brute_force(&request));
         drawn.and_then(|_| self.progressive.read()).map_err(|error| error.to_string())

@@ -112,6 +112,11 @@ impl Settings {
         self.look.coloring.range = None;
     }
 
+    /// The panel shows this section.
+    pub fn shows(&self, section: Section) -> bool {
+        self.panel && self.sections.contains(&section)
+    }
+
     /// What is drawn with.
     pub fn shading(&self) -> Shading {
         let edl_strength = if self.edl { self.look.shading.edl_strength } else { 0.0 };

@@ -37,18 +37,20 @@ impl Touch {
         self.probed = None;
     }
 
-    /// Mouse and keys to camera moves, settings and tools; `size` is the picture's, in pixels. True if the next frame
-    /// should follow at once.
+    /// Mouse and keys to camera moves, settings and tools; `size` is the picture's, in pixels. `was_typing`: a field had
+    /// the keyboard when the frame began, and may have given it back by the key that is not for the picture. True if
+    /// the next frame should follow at once.
     pub fn steer(
         &mut self,
         ctx: &Context,
         picture: &Response,
         size: [u32; 2],
+        was_typing: bool,
         scene: &mut SceneState,
         settings: &mut Settings,
     ) -> bool {
         self.take_answers(ctx, scene);
-        let has_keys = !ctx.egui_wants_keyboard_input();
+        let has_keys = !was_typing && !ctx.egui_wants_keyboard_input();
         let mut moving = false;
         if let Some(navigation) = &mut scene.navigation {
             navigation.resize(size);

@@ -136,5 +136,75 @@ fn colours_change_in_mid_load() {
     viewer.xdotool("search --onlyvisible --name firstlight windowfocus --sync key shift+v");
     viewer.wait_for_more("at rest", rests, PATIENCE);
     assert!(viewer.shot_at_rest().difference(&switched) > SOME);
+    // And forth: nothing comes from the file that could bring the legend up to date later.
+    let rests = viewer.count("at rest");
+    viewer.key("v");
+    viewer.wait_for_more("at rest", rests, PATIENCE);
+    let again = viewer.shot_at_rest();
+    again.save("17-classes-again");
+    assert_eq!(again.difference(&switched), 0);
     assert!(viewer.close(PATIENCE).success());
+}
+
+/// A picture that waits for its points is of the view in which it was asked for, wherever the user goes meanwhile.
+#[test]
+fn a_picture_is_of_the_view_that_it_was_asked_for() {
+    let _turn = one_at_a_time();
+    let Some(display) = Display::start() else { return };
+    let folder = temporary("window-asked-for");
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).unwrap();
+    let copy = folder.join("town.laz");
+    fs::copy(scan(), &copy).unwrap();
+    let mut viewer = Viewer::start(&display, &["--threads", "1", copy.to_str().unwrap()]);
+    viewer.wait_for("points", PATIENCE, |v| Some(()).filter(|()| v.shot().points() > SOME));
+    viewer.key("ctrl+s");
+    viewer.key("7");
+    assert!(!viewer.said("read 3000000 points"), "the scan is too small: all was loaded before the keys");
+    viewer.wait_for_line("picture written to", PATIENCE);
+    assert!(viewer.said("read 3000000 points"));
+    let rests = viewer.count("at rest");
+    viewer.key("ctrl+s");
+    viewer.wait_for("a second picture", PATIENCE, |_| folder.join("town-1.png").is_file().then_some(()));
+    // The window is not held up, and goes on where it was.
+    viewer.wait_for_more("at rest", rests, PATIENCE);
+    viewer.shot_at_rest().save("15-from-above");
+    assert!(viewer.close(PATIENCE).success());
+
+    let mut viewer = Viewer::start(&display, &[copy.to_str().unwrap()]);
+    viewer.wait_for_rest_after("read 3000000 points", PATIENCE);
+    viewer.key("ctrl+s");
+    viewer.wait_for("a third picture", PATIENCE, |_| folder.join("town-2.png").is_file().then_some(()));
+    assert!(viewer.close(PATIENCE).success());
+    let [asked, above, usual] =
+        ["town.png", "town-1.png", "town-2.png"].map(|name| fs::read(folder.join(name)).unwrap());
+    assert!(asked == usual && above != usual);
+}
+
+/// What is typed into a field, and the key that ends it, is for nothing else.
+#[test]
+fn keys_of_a_field_are_not_for_the_picture() {
+    let _turn = one_at_a_time();
+    let Some(display) = Display::start() else { return };
+    let settings = temporary("window-typed.json");
+    let _ = fs::remove_file(&settings);
+    let mut viewer = Viewer::start_with(&display, &settings, &[planes().to_str().unwrap()]);
+    viewer.wait_for_line("at rest", PATIENCE);
+    let before = viewer.shot_at_rest();
+    // The field for a path.
+    viewer.focus();
+    viewer.xdotool("mousemove 1128 98 click 1");
+    // With o, the bar at the lower edge would go, with b there would be high quality.
+    for key in ["slash", "n", "o", "b", "Return"] {
+        viewer.key(key);
+    }
+    viewer.wait_for_line("/nob", PATIENCE);
+    let after = viewer.shot_at_rest();
+    after.save("16-typed");
+    // The key that opens is also one that picks the point in the middle, with a card beside it.
+    let middle = (300..900).flat_map(|x| (250..600).map(move |y| (x, y)));
+    assert!(middle.into_iter().all(|(x, y)| before.at(x, y) == after.at(x, y)));
+    assert!(viewer.close(PATIENCE).success());
+    let text = fs::read_to_string(&settings).unwrap();
+    assert!(text.contains("\"bar\": true") && text.contains("\"high_quality\": false"), "{text}");
 }

@@ -126,9 +126,13 @@ impl<'d> Viewer<'d> {
         std::thread::sleep(Duration::from_millis(60));
     }
 
-    pub fn key(&self, key: &str) {
-        // Without a window manager nobody else gives the window its focus.
+    /// Without a window manager nobody else gives the window its focus.
+    pub fn focus(&self) {
         self.xdotool("search --onlyvisible --name firstlight windowfocus --sync");
+    }
+
+    pub fn key(&self, key: &str) {
+        self.focus();
         self.xdotool(&format!("key {key}"));
     }
 

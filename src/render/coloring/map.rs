@@ -103,6 +103,8 @@ pub fn palette(n: usize) -> [u8; 3] {
     const GOLDEN: f32 = 0.618_034;
     let hue = (0.05 + n as f32 * GOLDEN).fract() * 6.0;
     let (lightness, saturation) = [(0.58, 0.75), (0.42, 0.7), (0.74, 0.8)][n % 3];
+    // Blue is the darkest of all hues; on the usual background a dark one is not seen.
+    let lightness: f32 = if (3.5..5.0).contains(&hue) { f32::max(lightness, 0.64) } else { lightness };
     let chroma = saturation * (1.0 - (2.0 * lightness - 1.0f32).abs());
     let second = chroma * (1.0 - (hue % 2.0 - 1.0).abs());
     let rgb = match hue as u32 {

@@ -37,6 +37,12 @@ impl Bookmarks {
         }
     }
 
+    /// Takes over those of another scene that has become part of this one.
+    pub fn merge(&mut self, others: Bookmarks) {
+        let others = others.entries.into_iter().filter(|other| !self.entries.contains(other)).collect::<Vec<_>>();
+        self.entries.extend(others);
+    }
+
     /// The one with this number (from 1).
     pub fn get(&self, number: usize) -> Option<&Bookmark> {
         self.entries.get(number.checked_sub(1)?)

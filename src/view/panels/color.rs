@@ -38,11 +38,13 @@ pub struct Colors {
 }
 
 impl Colors {
-    /// The next of the choices, or the one before; after the last comes the first.
+    /// The next of the choices, or the one before; after the last comes the first, and after what is none of them too.
     pub fn step(&self, coloring: &mut Coloring, forward: bool) {
         let count = self.choices.len();
-        let Some(at) = self.choices.iter().position(|choice| *choice == coloring.by) else { return };
-        coloring.by = self.choices[(at + if forward { 1 } else { count - 1 }) % count].clone();
+        let at = self.choices.iter().position(|choice| *choice == coloring.by);
+        let next = at.map_or(0, |at| (at + if forward { 1 } else { count - 1 }) % count);
+        let Some(next) = self.choices.get(next) else { return };
+        coloring.by = next.clone();
         coloring.range = None;
     }
 }

@@ -92,7 +92,12 @@ impl Files {
 pub fn show(ui: &mut Ui, files: &Files, settings: &mut Settings, typed: &mut Typed, requests: &mut Vec<Request>) {
     open_line(ui, files, typed, requests);
     if let Some(opening) = &files.opening {
-        ui.label(format!("Opening {opening} …"));
+        ui.horizontal(|ui| {
+            ui.label(format!("Opening {opening} …"));
+            if ui.small_button("Cancel").on_hover_text("What is shown stays").clicked() {
+                requests.push(Request::StopReading);
+            }
+        });
     }
     if !files.rows.is_empty() {
         summary(ui, files, requests);
