@@ -139,8 +139,10 @@ impl Columns {
         self.page_records = self.forced_page_records.unwrap_or(usual.min(most) as u32);
     }
 
-    /// Frees a column. What is on its way into it has nowhere to go, or is what will come again.
+    /// Frees a column. What is on its way into it goes nowhere: if the column comes again, with fewer pages so far and
+    /// perhaps wider, so do its values.
     pub fn drop_column(&mut self, column: ColumnId) {
+        self.staged.iter_mut().filter(|staged| staged.column == column).for_each(|staged| staged.points = 0);
         if let Some(place) = self.columns.get_mut(column) {
             *place = None;
         }
@@ -263,7 +265,7 @@ impl Columns {
         }
         let mut pass = encoder.begin_compute_pass(&Default::default());
         for (staged, staging) in self.staged.drain(..).zip(&self.ring) {
-            let Some(column) = &self.columns[staged.column] else { continue };
+            let Some(column) = self.columns[staged.column].as_ref().filter(|_| staged.points > 0) else { continue };
             pass.set_pipeline(if column.is_wide { &self.fill_wide } else { &self.fill_small });
             pass.set_bind_group(0, &staging.bind, &[]);
             for page in column.pages[staged.pages].iter().flatten() {
