@@ -89,6 +89,9 @@ pub struct ColorArgs {
     /// Another colour for a class, such as 6=#ff0000; may be repeated
     #[arg(long, value_name = "CLASS=#RRGGBB", value_delimiter = ',', value_parser = values::parse_class_color)]
     class_color: Vec<(u8, [u8; 3])>,
+    /// Another colour for a file, by its number from 0 in the order given, such as 1=#00ff00; may be repeated
+    #[arg(long, value_name = "FILE=#RRGGBB", value_delimiter = ',', value_parser = values::parse_file_color)]
+    file_color: Vec<(usize, [u8; 3])>,
     /// Added to all colours, −1 to 1
     #[arg(long, value_name = "N", default_value_t = Tone::default().brightness, value_parser = values::parse_brightness, allow_negative_numbers = true)]
     brightness: f64,
@@ -107,6 +110,7 @@ impl ColorArgs {
             map: self.color_map,
             range: self.color_range,
             clip_percent: self.color_clip,
+            files: self.file_color.iter().copied().collect(),
             tone: Tone { brightness: self.brightness, contrast: self.contrast, gamma: self.gamma },
             ..Default::default()
         };
@@ -118,7 +122,7 @@ impl ColorArgs {
 }
 
 /// Which field of [`Look`] an option sets, as a JSON pointer.
-const FIELDS: [(&str, &str); 18] = [
+const FIELDS: [(&str, &str); 19] = [
     ("point_size", "/point_size"),
     ("orthographic", "/projection"),
     ("fill_holes", "/shading/fill_holes"),
@@ -134,6 +138,7 @@ const FIELDS: [(&str, &str); 18] = [
     ("color_clip", "/coloring/clip_percent"),
     ("color_map", "/coloring/map"),
     ("class_color", "/coloring/classes"),
+    ("file_color", "/coloring/files"),
     ("brightness", "/coloring/tone/brightness"),
     ("contrast", "/coloring/tone/contrast"),
     ("gamma", "/coloring/tone/gamma"),

@@ -246,6 +246,7 @@ mod tests {
                     range: Some([-1.5, 1e9 / 7.0]),
                     clip_percent: 0.3,
                     classes,
+                    files: [(0, [0, 255, 9]), (12, [1, 2, 3])].into(),
                     tone: crate::render::Tone { brightness: -0.1, contrast: 1.0 / 3.0, gamma: 2.2 },
                 },
                 ..Default::default()

@@ -1,5 +1,7 @@
 //! Values as users type them.
 
+use std::str::FromStr;
+
 use clap::ValueEnum;
 
 use crate::{
@@ -225,9 +227,17 @@ pub fn parse_color(text: &str) -> Result<[u8; 3], String> {
 
 /// `6=#ff0000`: the number of a class and its colour.
 pub fn parse_class_color(text: &str) -> Result<(u8, [u8; 3]), String> {
-    let wrong = || format!("expected a class, 0 to 255, and its colour, such as 6=#ff0000, found `{text}`");
-    let (class, color) = text.split_once('=').ok_or_else(wrong)?;
-    Ok((class.trim().parse().map_err(|_| wrong())?, parse_color(color.trim())?))
+    parse_color_of(text, "a class, 0 to 255,")
+}
+
+pub fn parse_file_color(text: &str) -> Result<(usize, [u8; 3]), String> {
+    parse_color_of(text, "a file's number, from 0,")
+}
+
+fn parse_color_of<N: FromStr>(text: &str, what: &str) -> Result<(N, [u8; 3]), String> {
+    let wrong = || format!("expected {what} and its colour, such as 6=#ff0000, found `{text}`");
+    let (number, color) = text.split_once('=').ok_or_else(wrong)?;
+    Ok((number.trim().parse().map_err(|_| wrong())?, parse_color(color.trim())?))
 }
 
 #[cfg(test)]

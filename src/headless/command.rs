@@ -62,7 +62,7 @@ fn look_words(look: &Look, words: &mut Vec<String>) {
 
 /// The same of `cli::look::ColorArgs`. Names of classes are not in a picture.
 fn color_words(coloring: &Coloring, words: &mut Vec<String>) {
-    let Coloring { by, map, range, clip_percent, classes, tone } = coloring;
+    let Coloring { by, map, range, clip_percent, classes, files, tone } = coloring;
     let Tone { brightness, contrast, gamma } = tone;
     let usual = Coloring::default();
     if *by != usual.by {
@@ -82,6 +82,9 @@ fn color_words(coloring: &Coloring, words: &mut Vec<String>) {
         if class.color != ClassTable::default().color(number) {
             option(words, "--class-color", format!("{number}=#{red:02x}{green:02x}{blue:02x}"));
         }
+    }
+    for (number, [red, green, blue]) in files {
+        option(words, "--file-color", format!("{number}=#{red:02x}{green:02x}{blue:02x}"));
     }
     let tones = [
         ("--brightness", *brightness, usual.tone.brightness),

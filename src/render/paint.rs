@@ -43,7 +43,7 @@ pub fn point_colors(coloring: &Coloring, scene: &SceneFacts, stats: &[ColorStats
             no_column(files(&rule), rgb_thresholds(), elevation_ramp())
         }
         ColorBy::Attribute(Attribute::File) => {
-            let rule = |number, first| FileColor::constant(first, tint(palette(number)));
+            let rule = |number, first| FileColor::constant(first, tint(coloring.file_color(number)));
             no_column(files(&rule), [u32::MAX; 256], elevation_ramp())
         }
         ColorBy::Attribute(Attribute::Elevation) => {

@@ -1,7 +1,7 @@
 //! What a frame of the window does: take points, move the camera, draw, say what is on screen.
 
 use std::{
-    path::PathBuf,
+    path::{Path, PathBuf},
     time::{Duration, Instant},
 };
 
@@ -34,7 +34,7 @@ use super::{
 use crate::{
     headless,
     render::{self, Backend, Camera, ColorBy, FillBudget, GpuBackend, Picture, RenderError, Sheet},
-    scene::{Attribute, FileFacts, SceneFacts},
+    scene::{FileFacts, SceneFacts},
 };
 
 /// How often the numbers are brought up to date while nothing else asks for a frame.
@@ -131,10 +131,15 @@ impl App {
         self.share.may_replace = false;
     }
 
-    /// Files that were hidden stay hidden, by the numbers that they have now.
+    /// Files that were hidden stay hidden, and those with a colour of their own keep it, by the numbers that they have
+    /// now.
     fn follow_files(&mut self, before: &SceneFacts) {
         let Some(facts) = self.scene.facts() else { return };
         let is_gone = |file: &FileFacts| facts.files.iter().all(|other| other.path != file.path);
+        let number_of = |path: &Path| facts.files.iter().position(|file| file.path == path);
+        let colors = std::mem::take(&mut self.settings.look.coloring.files).into_iter();
+        let colors = colors.filter_map(|(number, color)| Some((number_of(&before.files.get(number)?.path)?, color)));
+        self.settings.look.coloring.files = colors.collect();
         let mut left = before.files.len();
         for (number, _) in before.files.iter().enumerate().rev().filter(|(_, file)| is_gone(file)) {
             panels::files::forget_file(&mut self.settings.look.filter, left, number);
@@ -355,8 +360,8 @@ impl App {
         if self.settings.sections.contains(&Section::Performance) {
             models::measure(&mut self.performance, &self.scene, &self.device, Instant::now());
         }
-        let by_file = self.settings.look.coloring.by == Attribute::File.into();
-        let files = models::files(&self.scene, &self.remembered.recent, by_file, self.on_wayland);
+        let coloring = &self.settings.look.coloring;
+        let files = models::files(&self.scene, &self.remembered.recent, coloring, self.on_wayland);
         models::share(&mut self.share, &self.scene, &self.settings, self.size, self.writing.is_some());
         let mut model = panels::Model {
             files: &files,

@@ -26,7 +26,8 @@ use crate::{
 };
 
 /// The files on screen, and what is known of them.
-pub fn files(scene: &SceneState, recent: &[PathBuf], by_file: bool, on_wayland: bool) -> Files {
+pub fn files(scene: &SceneState, recent: &[PathBuf], coloring: &Coloring, on_wayland: bool) -> Files {
+    let by_file = coloring.by == Attribute::File.into();
     let opening = scene.incoming.as_ref().and_then(|incoming| incoming.inputs.first());
     let mut files = Files {
         opening: opening.map(|path| scene_state::name(path)),
@@ -57,7 +58,7 @@ pub fn files(scene: &SceneState, recent: &[PathBuf], by_file: bool, on_wayland: 
                 state: state(loading, number, points_read < file.points_in_header),
                 warnings: report.map(|report| report.warnings.clone()).unwrap_or_default(),
                 error: report.and_then(|report| report.error.clone()),
-                color: by_file.then(|| palette(number)),
+                color: by_file.then(|| coloring.file_color(number)),
             }
         })
         .collect();
@@ -255,7 +256,7 @@ fn values(scene: &SceneState, attribute: &Attribute, facts: &SceneFacts, colorin
             }
             Attribute::File => {
                 let name = facts.files.get(n).map(|file| scene_state::name(&file.path));
-                (name.unwrap_or_default(), palette(n))
+                (name.unwrap_or_default(), coloring.file_color(n))
             }
             Attribute::ReturnNumber => (format!("return {number}"), palette(n % 256)),
             Attribute::NumberOfReturns => (format!("{number} returns"), palette(n % 256)),

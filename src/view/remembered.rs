@@ -93,7 +93,7 @@ impl Remembered {
 
     /// A look without what belongs to one scan.
     pub fn set_look(&mut self, look: &Look) {
-        let mut coloring = Coloring { range: None, ..look.coloring.clone() };
+        let mut coloring = Coloring { range: None, files: Default::default(), ..look.coloring.clone() };
         if matches!(coloring.by, ColorBy::Attribute(Attribute::Extra(_))) {
             coloring.by = ColorBy::Auto;
         }

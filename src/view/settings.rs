@@ -110,6 +110,7 @@ impl Settings {
         self.look.filter = Filter::default();
         self.look.clip = Clip::default();
         self.look.coloring.range = None;
+        self.look.coloring.files.clear();
     }
 
     /// The panel shows this section.

@@ -5,6 +5,8 @@ mod classes;
 mod map;
 mod tone;
 
+use std::collections::BTreeMap;
+
 pub use by::{ColorBy, UnknownColor};
 pub use classes::{Class, ClassTable};
 pub use map::{ColorMap, UnknownMap, palette};
@@ -30,6 +32,8 @@ pub struct Coloring {
     /// Percent of the points that the automatic range leaves out at either end, 0 to below 50.
     pub clip_percent: f64,
     pub classes: ClassTable,
+    /// Colours of files, by their number from 0, that are not the usual ones.
+    pub files: BTreeMap<usize, [u8; 3]>,
     pub tone: Tone,
 }
 
@@ -41,6 +45,7 @@ impl Default for Coloring {
             range: None,
             clip_percent: CLIP_PERCENT,
             classes: ClassTable::default(),
+            files: BTreeMap::new(),
             tone: Tone::default(),
         }
     }
@@ -51,6 +56,11 @@ impl Coloring {
     pub fn map_in_use(&self) -> ColorMap {
         let usual = if self.by.attribute() == Some(&Attribute::Intensity) { ColorMap::Grey } else { ColorMap::Viridis };
         self.map.unwrap_or(usual)
+    }
+
+    /// The colour of the points of a file, where files are told apart.
+    pub fn file_color(&self, number: usize) -> [u8; 3] {
+        self.files.get(&number).copied().unwrap_or_else(|| palette(number))
     }
 
     /// What the points have instead, one line for each file that lacks what they are to be coloured by.

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use eframe::egui::{Align, Button, Color32, Frame, Label, Layout, ProgressBar, RichText, TextEdit, Ui};
+use eframe::egui::{Align, Button, Frame, Label, Layout, ProgressBar, RichText, TextEdit, Ui};
 
 use super::{
     super::{
@@ -13,7 +13,10 @@ use super::{
     },
     Typed, ticks,
 };
-use crate::{render::Filter, scene::Attribute};
+use crate::{
+    render::{Filter, Look},
+    scene::Attribute,
+};
 
 /// Files that are listed one by one; a folder may hold thousands.
 const LISTED: usize = 100;
@@ -105,7 +108,7 @@ pub fn show(ui: &mut Ui, files: &Files, settings: &mut Settings, typed: &mut Typ
     let several = files.rows.len() > 1;
     for (number, row) in files.rows.iter().take(LISTED).enumerate() {
         Frame::group(ui.style()).inner_margin(6).show(ui, |ui| {
-            ui.push_id(number, |ui| file(ui, number, row, several, &mut settings.look.filter, requests));
+            ui.push_id(number, |ui| file(ui, number, row, several, &mut settings.look, requests));
         });
     }
     if files.rows.len() > LISTED {
@@ -172,13 +175,17 @@ fn summary(ui: &mut Ui, files: &Files, requests: &mut Vec<Request>) {
     });
 }
 
-fn file(ui: &mut Ui, number: usize, row: &Row, several: bool, filter: &mut Filter, requests: &mut Vec<Request>) {
+fn file(ui: &mut Ui, number: usize, row: &Row, several: bool, look: &mut Look, requests: &mut Vec<Request>) {
+    let Look { filter, coloring, .. } = look;
     let file_name = name(&row.path);
     ui.horizontal(|ui| {
-        if let Some([r, g, b]) = row.color {
-            let (rect, response) = ui.allocate_exact_size(eframe::egui::vec2(12.0, 12.0), eframe::egui::Sense::hover());
-            ui.painter().rect_filled(rect, 2, Color32::from_rgb(r, g, b));
-            response.on_hover_text("Its colour");
+        if let Some(mut color) = row.color {
+            ui.spacing_mut().interact_size = eframe::egui::vec2(18.0, 14.0);
+            let button = ui.color_edit_button_srgb(&mut color).on_hover_text("Its colour");
+            button.widget_info(|| button_info(&format!("Colour of {file_name}")));
+            if button.changed() {
+                coloring.files.insert(number, color);
+            }
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             if several {
