@@ -11,7 +11,7 @@ use las::point::Format;
 use serde::Serialize;
 
 use crate::{
-    scene::ExtraDimension,
+    scene::{ExtraDimension, GpsClock},
     source::{
         SourceError,
         chunks::{ChunkSource, LazLayout},
@@ -51,6 +51,8 @@ pub struct Info {
     pub offset: [f64; 3],
     pub min: [f64; 3],
     pub max: [f64; 3],
+    /// What GPS times count; `None` if the points have none.
+    pub gps_clock: Option<GpsClock>,
     /// Range of GPS times, and their offset, where the header says them (LAS 1.5).
     pub gps_times: Option<GpsTimes>,
     pub crs: Crs,
@@ -192,6 +194,7 @@ impl Info {
             offset: [raw.x_offset, raw.y_offset, raw.z_offset],
             min: header.bounds.min,
             max: header.bounds.max,
+            gps_clock: format.has_gps_time.then(|| header.gps_clock()),
             gps_times: header.gps_times,
             crs,
             waveforms_at: raw.start_of_waveform_data_packet_record,
@@ -305,7 +308,9 @@ impl Display for Info {
         line(f, "min", numbers(&self.min))?;
         line(f, "max", numbers(&self.max))?;
         if let Some(t) = &self.gps_times {
-            line(f, "gps time", format_args!("{} to {}, offset {} million s", t.min, t.max, t.offset))?;
+            let text = |time| self.gps_clock?.text(time);
+            let words = text(t.min).zip(text(t.max)).map(|(min, max)| format!(" ({min} to {max})")).unwrap_or_default();
+            line(f, "gps time", format_args!("{} to {}, offset {} million s{words}", t.min, t.max, t.offset))?;
         }
         line(f, "crs", self.crs.summary().unwrap_or_else(|| "none".into()))?;
         for (name, vlrs) in [("vlr", &self.vlrs), ("evlr", &self.evlrs)] {

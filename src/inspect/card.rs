@@ -29,7 +29,7 @@ impl PointRecord {
         add("User data", self.user_data.to_string());
         add("Point source", self.point_source.to_string());
         if let Some(time) = self.gps_time {
-            add("GPS time", format!("{} {}", shortest(time), self.gps_epoch.name()));
+            add("GPS time", format!("{} {}", shortest(time), self.gps_clock.unit()));
         }
         if let Some(moment) = self.gps_moment() {
             add("", moment);

@@ -5,12 +5,9 @@ use std::{
     sync::atomic::AtomicBool,
 };
 
-use super::{
-    decimal::{Decimal, scaled, shortest, shortest_f32},
-    gps_time::GpsEpoch,
-};
+use super::decimal::{Decimal, scaled, shortest, shortest_f32};
 use crate::{
-    scene::{Attributes, ExtraDimension, ExtraKind, Number, SceneFacts, WAVE_PACKET_BYTES},
+    scene::{Attributes, ExtraDimension, ExtraKind, GpsClock, Number, SceneFacts, WAVE_PACKET_BYTES},
     source::{
         Fields, RecordError, RecordFile, attributes, file_of_record,
         header::Header,
@@ -41,7 +38,8 @@ pub struct PointRecord {
     pub user_data: u8,
     pub point_source: u16,
     pub gps_time: Option<f64>,
-    pub gps_epoch: GpsEpoch,
+    /// What the file's times count.
+    pub gps_clock: GpsClock,
     pub rgb: Option<[u16; 3]>,
     pub nir: Option<u16>,
     pub wave_packet: Option<WavePacket>,
@@ -168,7 +166,7 @@ impl PointRecord {
             user_data: columns.user_data[0],
             point_source: columns.point_source[0],
             gps_time: columns.gps_time.first().copied(),
-            gps_epoch: GpsEpoch::new(header.raw.global_encoding, header.gps_times.map(|times| times.offset)),
+            gps_clock: header.gps_clock(),
             rgb: layout.rgb_at.map(|at| [word(at), word(at + 2), word(at + 4)]),
             nir: columns.nir.first().copied(),
             wave_packet: WavePacket::new(layout, columns.wave_packet.first()),
@@ -177,9 +175,9 @@ impl PointRecord {
         }
     }
 
-    /// The kind of the file's times, where the format has any.
+    /// The point's time in words, where the format has any.
     pub fn gps_moment(&self) -> Option<String> {
-        self.gps_epoch.moment(self.gps_time?)
+        self.gps_clock.text(self.gps_time?)
     }
 }
 

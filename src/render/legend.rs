@@ -139,7 +139,7 @@ mod tests {
 
     fn texts(attribute: &Attribute, low: f64, high: f64) -> Vec<String> {
         let scale = Scale { low, high, transfer: Transfer::Linear };
-        let scene = scene(GpsClock::Standard { offset: 1e9 });
+        let scene = scene(GpsClock::ADJUSTED);
         ticks(attribute, &scale, &scene).into_iter().map(|tick| tick.text).collect()
     }
 
@@ -157,10 +157,10 @@ mod tests {
 
     #[test]
     fn titles_say_the_unit() {
-        assert_eq!(title(&Attribute::GpsTime, &scene(GpsClock::Week)), "GPS time, seconds of the week");
+        assert_eq!(title(&Attribute::GpsTime, &scene(GpsClock::Week)), "GPS time, of the week");
         assert_eq!(title(&Attribute::NumberOfReturns, &scene(GpsClock::Week)), "number of returns");
         let mut two = scene(GpsClock::Week);
-        two.files.extend(scene(GpsClock::Standard { offset: 1e9 }).files);
+        two.files.extend(scene(GpsClock::ADJUSTED).files);
         assert_eq!(title(&Attribute::GpsTime, &two), "GPS time, of several clocks");
         assert_eq!(value_text(&Attribute::GpsTime, 302.5, 1.0, &two), "302", "no clock tells what it means");
     }

@@ -3,14 +3,15 @@
 use serde::Serialize;
 
 /// What the numbers of a file's GPS times count.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum GpsClock {
     /// Seconds of the GPS week, which begins on Sunday.
     #[default]
     Week,
-    /// Seconds since the beginning of GPS time (1980-01-06), less so many: 10⁹ in "adjusted standard" time.
-    Standard { offset: f64 },
+    /// Seconds since the beginning of GPS time (1980-01-06), less so many: 10⁹ in "adjusted standard" time, or what the
+    /// header of LAS 1.5 says.
+    Standard { offset_secs: u64 },
 }
 
 /// Seconds of Unix time at the beginning of GPS time.
@@ -21,29 +22,34 @@ const LEAP_DAYS: [i64; 18] =
 const DAY: i64 = 86_400;
 const MICROS: i64 = 1_000_000;
 /// Beyond these (the years 1980 to 9999) a number is no date.
-const LAST: f64 = 2.5e11;
+const LAST: i64 = 250_000_000_000;
 
 impl GpsClock {
-    /// A time in words, to the microsecond: `2021-04-18 01:40:05.114093 UTC`, or `Thu 12:00:00.5` of a week that
+    /// The clock of "adjusted standard" time, the usual one.
+    pub const ADJUSTED: GpsClock = GpsClock::Standard { offset_secs: 1_000_000_000 };
+
+    /// A time in words, to the microsecond: `2021-04-18 01:40:05.114093 UTC`, or `Thu 12:00:00.5 GPS` of a week that
     /// nobody knows. `None` for what is no such time.
     ///
     /// ```
     /// use firstlight::scene::GpsClock;
     ///
-    /// let adjusted = GpsClock::Standard { offset: 1e9 };
-    /// assert_eq!(adjusted.text(302_745_223.114_093).unwrap(), "2021-04-18 01:40:05.114093 UTC");
-    /// assert_eq!(GpsClock::Week.text(388_800.5).unwrap(), "Thu 12:00:00.5");
+    /// assert_eq!(GpsClock::ADJUSTED.text(302_745_223.114_093).unwrap(), "2021-04-18 01:40:05.114093 UTC");
+    /// assert_eq!(GpsClock::Week.text(388_800.5).unwrap(), "Thu 12:00:00.5 GPS");
     /// ```
     pub fn text(self, seconds: f64) -> Option<String> {
+        // Beyond, whole microseconds do not fit their numbers.
+        let micros = Some((seconds * MICROS as f64).round()).filter(|micros| micros.abs() < 9e17)? as i64;
         match self {
             GpsClock::Week => {
                 const DAYS: [&str; 7] = ["Sun", "Mon", "Tue", "Wed", "Thu", "Fri", "Sat"];
-                let micros = micros_of(seconds)?;
-                let day = DAYS.get(usize::try_from(micros / (DAY * MICROS)).ok()?)?;
-                Some(format!("{day} {}", time_of_day(micros % (DAY * MICROS), false)))
+                let day = DAYS.get(usize::try_from(micros.div_euclid(DAY * MICROS)).ok()?)?;
+                Some(format!("{day} {} GPS", time_of_day(micros % (DAY * MICROS), false)))
             }
-            GpsClock::Standard { offset } => {
-                let micros = micros_of(seconds + offset)?;
+            GpsClock::Standard { offset_secs } => {
+                // The offset is whole: only the file's own number is rounded.
+                let offset = i64::try_from(offset_secs).ok().filter(|&offset| offset < LAST)?;
+                let micros = Some(micros + offset * MICROS).filter(|micros| (0..LAST * MICROS).contains(micros))?;
                 let (unix, is_leap) = utc(micros);
                 let (days, of_day) = (unix.div_euclid(DAY * MICROS), unix.rem_euclid(DAY * MICROS));
                 let [year, month, day] = civil(days);
@@ -52,17 +58,22 @@ impl GpsClock {
         }
     }
 
-    /// What the numbers are, in few words.
+    /// What its words are times of, behind "GPS time, ".
     pub fn name(self) -> &'static str {
         match self {
-            GpsClock::Week => "seconds of the week",
+            GpsClock::Week => "of the week",
             GpsClock::Standard { .. } => "UTC",
         }
     }
-}
 
-fn micros_of(seconds: f64) -> Option<i64> {
-    (0.0..LAST).contains(&seconds).then(|| (seconds * MICROS as f64).round() as i64)
+    /// The unit of the numbers, and what they count from.
+    pub fn unit(self) -> &'static str {
+        match self {
+            GpsClock::Week => "s of the GPS week",
+            GpsClock::ADJUSTED => "s, adjusted standard GPS time",
+            GpsClock::Standard { .. } => "s, standard GPS time less the header's offset",
+        }
+    }
 }
 
 /// Microseconds of Unix time, and whether they are those of a leap second: it is told by the second before, which has
@@ -105,30 +116,34 @@ fn civil(days: i64) -> [i64; 3] {
 mod tests {
     use super::*;
 
-    const ADJUSTED: GpsClock = GpsClock::Standard { offset: 1e9 };
+    const ADJUSTED: GpsClock = GpsClock::ADJUSTED;
 
     #[test]
     fn known_times() {
-        let plain = GpsClock::Standard { offset: 0.0 };
+        let plain = GpsClock::Standard { offset_secs: 0 };
         assert_eq!(plain.text(0.0).unwrap(), "1980-01-06 00:00:00 UTC");
         // 10⁹ s: https://en.wikipedia.org/wiki/Global_Positioning_System has 2011-09-14 01:46:25 UTC.
         assert_eq!(ADJUSTED.text(0.0).unwrap(), "2011-09-14 01:46:25 UTC");
+        assert_eq!(plain.text(1e9), ADJUSTED.text(0.0));
         // The last leap second: 2017-01-01 00:00:00 UTC is 1,483,228,800 s after 1970, GPS time 1,167,264,018.
         let around = [-2, -1, 0].map(|s| plain.text(1_167_264_018.0 + f64::from(s) + 0.25).unwrap());
         assert_eq!(around, ["2016-12-31 23:59:59.25 UTC", "2016-12-31 23:59:60.25 UTC", "2017-01-01 00:00:00.25 UTC"]);
+        assert_eq!(ADJUSTED.text(167_264_017.25).unwrap(), around[1]);
         // The first: 1981-07-01 00:00:00 UTC.
         assert_eq!(plain.text(f64::from(4199 * 86_400 - 315_964_800 + 1)).unwrap(), "1981-07-01 00:00:00 UTC");
         assert_eq!(ADJUSTED.text(-1e9).unwrap(), "1980-01-06 00:00:00 UTC");
+        assert_eq!(ADJUSTED.text(245_370_417.058_711).unwrap(), "2019-06-24 00:13:19.058711 UTC");
+        assert_eq!(GpsClock::Week.text(2.0 * 86_400.0 + 3_661.5).unwrap(), "Tue 01:01:01.5 GPS");
     }
 
     #[test]
     fn what_is_no_time_has_no_words() {
         assert_eq!(GpsClock::Week.text(604_800.0), None, "a week has seven days");
-        assert_eq!(GpsClock::Week.text(604_799.999_999).unwrap(), "Sat 23:59:59.999999");
-        for wrong in [f64::NAN, f64::INFINITY, -1e10, 1e300] {
-            assert_eq!(ADJUSTED.text(wrong), None);
-            assert_eq!(GpsClock::Week.text(wrong), None);
+        assert_eq!(GpsClock::Week.text(604_799.999_999).unwrap(), "Sat 23:59:59.999999 GPS");
+        for wrong in [f64::NAN, f64::INFINITY, -1e10, -1.1e9, 1e18, 1e300, -1e30] {
+            assert_eq!((ADJUSTED.text(wrong), GpsClock::Week.text(wrong)), (None, None), "{wrong}");
         }
+        assert_eq!(GpsClock::Week.text(-0.5), None);
     }
 
     #[test]

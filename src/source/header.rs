@@ -74,8 +74,8 @@ impl Header {
         let encoding = self.raw.global_encoding;
         match (encoding & 1, encoding >> 6 & 1, &self.gps_times) {
             (0, ..) => GpsClock::Week,
-            (_, 1, Some(times)) => GpsClock::Standard { offset: f64::from(times.offset) * 1e6 },
-            _ => GpsClock::Standard { offset: 1e9 },
+            (_, 1, Some(times)) => GpsClock::Standard { offset_secs: 1_000_000 * u64::from(times.offset) },
+            _ => GpsClock::ADJUSTED,
         }
     }
 

@@ -2,7 +2,7 @@
 
 use firstlight::{
     info::Info,
-    scene::{ExtraKind, Number},
+    scene::{ExtraKind, GpsClock, Number},
 };
 
 use super::{
@@ -88,7 +88,11 @@ fn las_1_5_is_read_and_described() {
         assert!(!told.waveforms_inside && !told.waveforms_beside);
         let text = info.to_string();
         assert!(text.contains("encoding   89 (offset GPS time, synthetic returns, CRS is WKT)"), "{text}");
-        assert!(text.contains("gps time   0.25 to 431999.5, offset 1300 million s"), "{text}");
+        assert!(
+            text.contains("gps time   0.25 to 431999.5, offset 1300 million s (2021-03-17 07:06:22.25 UTC to "),
+            "{text}"
+        );
+        assert_eq!(info.gps_clock, Some(GpsClock::Standard { offset_secs: 1_300_000_000 }));
         assert_eq!(info.warnings, [""; 0]);
     }
 }
