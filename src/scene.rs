@@ -9,11 +9,13 @@ mod attribute;
 mod attributes;
 mod extra_bytes;
 mod gps;
+mod unit;
 
 pub use attribute::{Attribute, UnknownAttribute};
 pub use attributes::{Attributes, WAVE_PACKET_BYTES};
 pub use extra_bytes::{ExtraDimension, ExtraKind, Number};
 pub use gps::GpsClock;
+pub use unit::Unit;
 
 /// Most points that one [`PointBatch`] carries.
 pub const BATCH_POINTS: usize = 65_536;

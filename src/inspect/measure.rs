@@ -2,56 +2,7 @@
 //! to large coordinates.
 
 use super::decimal::{Decimal, scaled};
-use crate::scene::{Grid, SceneFacts};
-
-/// What a length in the file's coordinates is a length of.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Unit {
-    Metre,
-    Foot,
-    SurveyFoot,
-    /// So many metres.
-    Other(f64),
-    /// No file says, or they disagree.
-    Unknown,
-    /// Longitudes and latitudes, of which lengths do not follow like this.
-    Degree,
-}
-
-impl Unit {
-    fn new(metres: Option<f64>, is_geographic: bool) -> Unit {
-        let is = |m: f64, other: f64| (m / other - 1.0).abs() < 1e-9;
-        match metres {
-            _ if is_geographic => Unit::Degree,
-            Some(m) if is(m, 1.0) => Unit::Metre,
-            Some(m) if is(m, 0.3048) => Unit::Foot,
-            // Twice a millionth longer; some files round it.
-            Some(m) if (m / (1200.0 / 3937.0) - 1.0).abs() < 5e-7 => Unit::SurveyFoot,
-            Some(m) => Unit::Other(m),
-            None => Unit::Unknown,
-        }
-    }
-
-    pub fn symbol(self) -> &'static str {
-        match self {
-            Unit::Metre => "m",
-            Unit::Foot => "ft",
-            Unit::SurveyFoot => "ftUS",
-            Unit::Other(_) | Unit::Unknown => "units",
-            Unit::Degree => "°",
-        }
-    }
-
-    /// Its length, where there is one and it is no metre.
-    fn in_metres(self) -> Option<f64> {
-        match self {
-            Unit::Foot => Some(0.3048),
-            Unit::SurveyFoot => Some(1200.0 / 3937.0),
-            Unit::Other(metres) => Some(metres),
-            Unit::Metre | Unit::Unknown | Unit::Degree => None,
-        }
-    }
-}
+use crate::scene::{Grid, SceneFacts, Unit};
 
 /// Measures on a scene's grid.
 #[derive(Debug, Clone, PartialEq)]
@@ -91,10 +42,7 @@ pub struct Polyline {
 
 impl Ruler {
     pub fn new(scene: &SceneFacts) -> Ruler {
-        let mut units = scene.files.iter().map(|file| Unit::new(file.metres_per_unit, file.is_geographic));
-        let first = units.next().unwrap_or(Unit::Unknown);
-        let unit = if units.all(|unit| unit == first) { first } else { Unit::Unknown };
-        Ruler { grid: scene.grid, unit }
+        Ruler { grid: scene.grid, unit: Unit::of(scene) }
     }
 
     pub fn unit(&self) -> Unit {
@@ -145,15 +93,20 @@ impl Ruler {
 
     /// A length in the digits of the grid, with its unit, and in metres if that is another one.
     pub fn length_text(&self, length: f64) -> String {
-        let (places, symbol) = (self.places(), self.unit.symbol());
-        let metres = self.unit.in_metres().map(|metres| format!(" ({:.places$} m)", length * metres));
-        format!("{length:.places$} {symbol}{}", metres.unwrap_or_default())
+        let places = self.places();
+        let metres = self.other_than_metres().map(|metres| format!(" ({:.places$} m)", length * metres));
+        self.unit.text(format_args!("{length:.places$}")) + &metres.unwrap_or_default()
     }
 
     fn area_text(&self, area: f64) -> String {
-        let (places, symbol) = (self.places(), self.unit.symbol());
-        let metres = self.unit.in_metres().map(|metres| format!(" ({:.places$} m²)", area * metres * metres));
-        format!("{area:.places$} {symbol}²{}", metres.unwrap_or_default())
+        let places = self.places();
+        let metres = self.other_than_metres().map(|metres| format!(" ({:.places$} m²)", area * metres * metres));
+        self.unit.text(format_args!("{area:.places$}")) + "²" + &metres.unwrap_or_default()
+    }
+
+    /// Metres in the unit, where it is another one.
+    fn other_than_metres(&self) -> Option<f64> {
+        self.unit.metres().filter(|_| self.unit != Unit::Metre)
     }
 
     /// Digits behind the point that a step of the grid needs.

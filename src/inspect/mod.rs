@@ -21,5 +21,5 @@ mod record;
 pub use card::lines;
 pub use decimal::{Decimal, scaled, shortest, shortest_f32};
 pub use fields::{Field, Value, csv_header, csv_row, json};
-pub use measure::{Distance, Polyline, Ruler, Unit};
+pub use measure::{Distance, Polyline, Ruler};
 pub use record::{ExtraValue, Flags, PointRecord, WavePacket};

@@ -10,7 +10,7 @@ use super::{
     legend_layout,
     lens::Lens,
 };
-use crate::scene::{Bounds, SceneFacts};
+use crate::scene::{Bounds, SceneFacts, Unit};
 
 /// What to draw over a picture.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -124,20 +124,6 @@ pub struct Sheet {
     pub covered_below: f64,
 }
 
-/// What a length in the file's unit is called: "m", "ft", or nothing where no file says what its unit is, or files
-/// disagree.
-pub fn unit_name(facts: &SceneFacts) -> Option<&'static str> {
-    let name = |metres: f64| match metres {
-        1.0 => Some("m"),
-        // International and survey feet.
-        _ if (metres - 0.3048).abs() < 1e-5 => Some("ft"),
-        _ => None,
-    };
-    let mut names = facts.files.iter().map(|file| file.metres_per_unit.and_then(name));
-    let first = names.next()??;
-    names.all(|other| other == Some(first)).then_some(first)
-}
-
 /// The largest of 1, 2 and 5 times a power of ten that is at most this; 0 for what is no length.
 fn round_length(most: f64) -> f64 {
     if !(most.is_finite() && most > 0.0) {
@@ -177,11 +163,10 @@ pub fn overlay(
         for ends in [[left, right], [left - tick, left], [right - tick, right]] {
             overlay.lines.push(Line { ends, depths: None });
         }
-        let unit = unit_name(facts).unwrap_or("units");
         let where_to = if camera.projection == Projection::Perspective { " in the middle" } else { "" };
         let middle = (left + right) * 0.5 - DVec2::Y * (0.9 * text_px);
         // Of a short bar the text is wider.
-        let text = format!("{length} {unit}{where_to}");
+        let text = Unit::of(facts).text(length) + where_to;
         let half = 0.28 * text_px * text.chars().count() as f64;
         let at = DVec2::new(middle.x.max(left.x + half), middle.y);
         overlay.labels.push(Label { at, align: Align::Middle, text });
@@ -334,16 +319,5 @@ mod tests {
             let tip = overlay.triangles[0][0];
             assert!(overlay.triangles[0][1].y > tip.y + 10.0 && overlay.labels[1].at.y < tip.y, "{overlay:?}");
         }
-    }
-
-    #[test]
-    fn units_are_named_where_files_agree() {
-        let of = |units: &[Option<f64>]| {
-            let file = |&metres_per_unit: &Option<f64>| FileFacts { metres_per_unit, ..Default::default() };
-            unit_name(&SceneFacts { files: units.iter().map(file).collect(), ..facts() })
-        };
-        assert_eq!(of(&[Some(1.0), Some(1.0)]), Some("m"));
-        assert_eq!((of(&[Some(0.3048)]), of(&[Some(1200.0 / 3937.0)])), (Some("ft"), Some("ft")));
-        assert_eq!([of(&[None]), of(&[]), of(&[Some(1.0), None]), of(&[Some(1.0), Some(0.3048)])], [None; 4]);
     }
 }

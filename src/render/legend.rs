@@ -4,7 +4,7 @@ use super::{
     coloring::{ColorBy, Coloring},
     scale::Scale,
 };
-use crate::scene::{Attribute, GpsClock, SceneFacts};
+use crate::scene::{Attribute, GpsClock, SceneFacts, Unit};
 
 /// What the colours of a picture mean, to be drawn beside it.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,6 +47,11 @@ const TICKS: f64 = 5.0;
 /// What an attribute is called in a legend, with its unit.
 pub fn title(attribute: &Attribute, scene: &SceneFacts) -> String {
     match attribute {
+        // Heights above longitudes and latitudes are not in degrees.
+        Attribute::Elevation => match Unit::of(scene).symbol().filter(|_| Unit::of(scene) != Unit::Degree) {
+            Some(unit) => format!("elevation, {unit}"),
+            None => "elevation".into(),
+        },
         Attribute::ScanAngle => "scan angle, °".into(),
         Attribute::GpsTime => format!("GPS time, {}", clock(scene).map_or("of several clocks", GpsClock::name)),
         Attribute::Extra(name) => name.clone(),
@@ -159,6 +164,12 @@ mod tests {
     fn titles_say_the_unit() {
         assert_eq!(title(&Attribute::GpsTime, &scene(GpsClock::Week)), "GPS time, of the week");
         assert_eq!(title(&Attribute::NumberOfReturns, &scene(GpsClock::Week)), "number of returns");
+        let mut foot = scene(GpsClock::Week);
+        assert_eq!(title(&Attribute::Elevation, &foot), "elevation", "no file says");
+        foot.files[0].metres_per_unit = Some(1200.0 / 3937.0);
+        assert_eq!(title(&Attribute::Elevation, &foot), "elevation, ftUS");
+        foot.files[0].is_geographic = true;
+        assert_eq!(title(&Attribute::Elevation, &foot), "elevation");
         let mut two = scene(GpsClock::Week);
         two.files.extend(scene(GpsClock::ADJUSTED).files);
         assert_eq!(title(&Attribute::GpsTime, &two), "GPS time, of several clocks");

@@ -54,7 +54,7 @@ pub use coloring::{
 };
 pub use column::{ColumnColors, ColumnId, Keys, Lookup};
 pub use cpu::{CpuBackend, list_visible};
-pub use decor::{Align, Decor, Label, Line, Overlay, Plate, Sheet, overlay, unit_name};
+pub use decor::{Align, Decor, Label, Line, Overlay, Plate, Sheet, overlay};
 pub use filter::{
     Clause, ClauseError, Clip, ClipBox, ClipError, Filter, Key, MaskRules, Place, Slab, Test, Values, ValuesError,
 };

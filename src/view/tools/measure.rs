@@ -3,8 +3,8 @@
 use glam::DVec3;
 
 use crate::{
-    inspect::{Decimal, Distance, Ruler, Unit, scaled},
-    scene::{Grid, SceneFacts},
+    inspect::{Decimal, Distance, Ruler, scaled},
+    scene::{Grid, SceneFacts, Unit},
 };
 
 /// A point of the scene.
