@@ -34,7 +34,8 @@ pub struct RenderArgs {
     size: [u32; 2],
     /// Where to look from: {"eye":[x,y,z],"target":[x,y,z],"up":[0,0,1],"fov_y_deg":60}, with
     /// "projection":"orthographic" for parallel lines, or a file that holds it; eye and target in the file's own
-    /// coordinates; by default the whole scene, from the south and above
+    /// coordinates; by default all that --clip and --slab leave of the scene,
+    /// from the south and above; a section from across
     #[arg(long, value_name = "JSON|CAM.json")]
     camera: Option<PathBuf>,
     /// How the GPU turns points into pixels: a method's name, or NAME:64 (:128, :256) with its workgroup

@@ -1,33 +1,40 @@
 //! The default camera, also where a header's box is no help.
 
+use glam::DVec3;
+
 use crate::{
-    render::{Camera, Projection, SOUTH_AND_ABOVE},
+    render::{Camera, Clip, Look, SOUTH_AND_ABOVE, clipped},
     scene::{Bounds, Grid, PointBatch, SceneFacts},
 };
 
 /// The camera that shows the whole scene in a picture of `size` pixels. `first` is the first batch of
 /// points, if there is one; it is asked only where the headers' boxes cannot be right.
 pub fn default_camera(facts: &SceneFacts, first: Option<&PointBatch>, size: [u32; 2]) -> Camera {
-    default_camera_as(facts, first, size, Projection::Perspective)
+    default_camera_of(facts, first, size, &Look::default())
 }
 
-/// As [`default_camera`], with any projection.
-pub fn default_camera_as(
-    facts: &SceneFacts,
-    first: Option<&PointBatch>,
-    size: [u32; 2],
-    projection: Projection,
-) -> Camera {
+/// As [`default_camera`], of what a look shows of the scene, with its projection: what its clipping box and slab leave
+/// of the scene's box (a filter leaves all of it). A slab is seen from across.
+pub fn default_camera_of(facts: &SceneFacts, first: Option<&PointBatch>, size: [u32; 2], look: &Look) -> Camera {
     let aspect = f64::from(size[0]) / f64::from(size[1]);
-    let fit = |bounds: &Bounds| Camera::fit_as(bounds, &facts.grid, aspect, SOUTH_AND_ABOVE, projection);
+    let from = direction(&look.clip);
+    let fit = |bounds: &Bounds| Camera::fit_as(bounds, &facts.grid, aspect, from, look.projection);
     let bounds = box_to_fit(facts, first);
-    let camera = fit(&bounds);
+    // Where nothing is shown, the whole scene is where to look for it.
+    let camera = fit(&clipped(&bounds, &look.clip).unwrap_or(bounds));
     if camera.view(&facts.grid, size, 1).is_ok() {
         return camera;
     }
     // A box of finite but absurd numbers: farther away than the grid reaches.
     let bounds = first.and_then(|batch| box_of(batch, &facts.grid)).unwrap_or(unit_box(&facts.grid));
     fit(&bounds)
+}
+
+/// From the scene towards the eye. Along a section its points would be one line.
+fn direction(clip: &Clip) -> DVec3 {
+    let Some(slab) = clip.slab else { return SOUTH_AND_ABOVE };
+    let across = DVec3::from_array(slab.normal);
+    if across.dot(SOUTH_AND_ABOVE) < 0.0 { -across } else { across }
 }
 
 /// The headers' box, unless it is turned inside out, not finite, a single spot that the points are
@@ -106,6 +113,33 @@ mod tests {
         let elsewhere = facts([50.0; 3], [60.0; 3]);
         for facts in [inside_out, not_finite, spot, elsewhere] {
             assert_eq!(box_to_fit(&facts, Some(&points)), seen, "{:?}", facts.bounds);
+        }
+    }
+
+    fn camera_of(clip: Clip) -> Camera {
+        default_camera_of(&facts([0.0; 3], [100.0, 50.0, 20.0]), None, [640, 480], &Look { clip, ..Default::default() })
+    }
+
+    #[test]
+    fn what_is_clipped_fills_the_picture() {
+        let bounds = Some("10,20,0,20,30,10".parse().expect("a box"));
+        let part = facts([10.0, 20.0, 0.0], [20.0, 30.0, 10.0]);
+        assert_eq!(camera_of(Clip { bounds, slab: None }), default_camera(&part, None, [640, 480]));
+        let nothing = Clip { bounds: Some("900,0,0,901,1,1".parse().expect("a box")), slab: None };
+        assert_eq!(camera_of(nothing), camera_of(Clip::default()));
+    }
+
+    #[test]
+    fn a_section_is_seen_from_across() {
+        for (slab, from) in [
+            ("10,0,0,1,0,0,0.5", DVec3::X),
+            ("10,0,0,-2,0,0,0.5", DVec3::X),
+            ("0,25,0,0,1,0,0.5", -DVec3::Y),
+            ("0,0,10,0,0,1,0.5", DVec3::Z),
+        ] {
+            let camera = camera_of(Clip { bounds: None, slab: Some(slab.parse().expect("a slab")) });
+            let [eye, target] = [camera.eye, camera.target].map(DVec3::from_array);
+            assert!((eye - target).normalize().distance(from) < 1e-3, "{slab}: {camera:?}");
         }
     }
 

@@ -15,7 +15,7 @@ mod settings;
 
 pub use command::command;
 pub use decorate::{decorate, text_px};
-pub use framing::{box_to_fit, default_camera, default_camera_as};
+pub use framing::{box_to_fit, default_camera, default_camera_of};
 pub use outputs::{Destination, OutputError, Outputs, picture_sha256, write_npy_f32, write_npy_i64, write_png};
 pub use progress::{ProgressStyle, grouped};
 pub use report::{FileEntry, OutputPaths, Report, Seconds};

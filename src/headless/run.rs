@@ -7,7 +7,7 @@ use std::{
 
 use super::{
     decorate::{decorate, text_px},
-    default_camera_as,
+    default_camera_of,
     outputs::{OutputError, picture_sha256, write_npy_f32, write_npy_i64, write_png},
     progress::{Progress, grouped},
     report::{Report, Seconds, Tally, file_entries, peak_memory_bytes},
@@ -245,7 +245,7 @@ impl<'a> Run<'a> {
         let settings = self.settings;
         let projection = settings.look.projection;
         let given = settings.camera.map(|camera| camera.or_as(projection));
-        let camera = given.unwrap_or_else(|| default_camera_as(facts, first, settings.size, projection));
+        let camera = given.unwrap_or_else(|| default_camera_of(facts, first, settings.size, &settings.look));
         let view = camera.view(&facts.grid, settings.size, settings.look.point_size)?;
         self.request = Some(FrameRequest { view, fill: settings.fill_budget(), shading: settings.look.shading });
         self.report.camera = Some(camera);

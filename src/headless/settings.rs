@@ -58,7 +58,7 @@ pub struct Settings {
     pub outputs: Outputs,
     /// Width and height, pixels.
     pub size: [u32; 2],
-    /// By default the whole scene, from the south and above.
+    /// By default all that the look's clipping box and slab show, from the south and above; of a slab, from across.
     pub camera: Option<Camera>,
     pub backend: BackendChoice,
     pub method: RasterChoice,

@@ -12,7 +12,7 @@ use super::{
     stats::quantile,
 };
 use crate::{
-    headless::default_camera_as,
+    headless::default_camera_of,
     render::{
         Backend, BackendInfo, Camera, ColorBy, FillBudget, FrameRequest, Look, PassTimes, PointSize, Progressive,
         RenderError, StoreOptions, Sums,
@@ -167,7 +167,7 @@ pub fn bench_frames(
                     run.progressive.set_coloring(&settings.look.coloring);
                     run.progressive.set_filter(&settings.look.filter, &settings.look.clip);
                     run.progressive.carry(settings.look.attributes());
-                    let camera = default_camera_as(&facts, None, settings.size, settings.look.projection);
+                    let camera = default_camera_of(&facts, None, settings.size, &settings.look);
                     run.scene = Some((facts, camera));
                 }
                 Fed::Batch(batch) => run.progressive.offer(batch),

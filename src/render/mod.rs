@@ -14,6 +14,7 @@ mod backend;
 mod budget;
 mod camera;
 mod choice;
+mod clipped;
 mod color;
 mod coloring;
 mod column;
@@ -48,6 +49,7 @@ pub use camera::{Camera, CameraError, Projection, SOUTH_AND_ABOVE};
 pub use choice::{
     Candidate, Choice, Clock, GROUP_SIZES, MARGIN, Measured, Measurement, RasterChoice, Speed, Why, best,
 };
+pub use clipped::clipped;
 pub use color::{FileColor, NO_DATA, PointColors, elevation_ramp};
 pub use coloring::{
     CLIP_PERCENT, Class, ClassTable, ColorBy, ColorMap, Coloring, Tone, UnknownColor, UnknownMap, palette,
