@@ -11,9 +11,10 @@ use crate::render::{
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "How it looks")]
 pub struct LookArgs {
-    /// Width of a point: pixels, 1 to 8, or a size in the file's unit such as 0.05m, drawn as large as it is from
-    /// there (up to 32 pixels); by default 1 in a picture and 2 in the window
-    #[arg(long, value_name = "PX|SIZEm")]
+    /// Width of a point: pixels, 1 to 8, or a size such as 0.05m, 0.2ft or 0.05u (the file's unit), drawn as large as
+    /// it is from there (up to 32 pixels); m and ft are the file's unit where it does not say how long that is; by
+    /// default 1 in a picture and 2 in the window
+    #[arg(long, value_name = "PX|0.05m|0.2ft|0.05u")]
     point_size: Option<PointSize>,
     /// Without perspective: everything looks as large as at the camera's target
     #[arg(long)]

@@ -59,7 +59,7 @@ pub struct Report {
     pub camera_given: bool,
     /// Width and height.
     pub size_px: [u32; 2],
-    /// Null where points have a size in the file's unit.
+    /// Null where points have a size in space.
     pub point_size_px: Option<u32>,
     /// In the file's unit; null where it is in pixels.
     pub point_size_world: Option<f64>,
@@ -258,7 +258,7 @@ impl Report {
             camera_given: settings.camera.is_some(),
             size_px: settings.size,
             point_size_px: settings.look.point_size.pixels(),
-            point_size_world: settings.look.point_size.world(),
+            point_size_world: None,
             edl_strength: settings.look.shading.edl_strength,
             filter: settings.look.filter.clone(),
             clip: settings.look.clip.bounds.map(|bounds| bounds.to_string()),

@@ -216,6 +216,7 @@ impl<'a> Run<'a> {
                 let coloring = &self.settings.look.coloring;
                 self.report.notes.extend(coloring.absences(&facts));
                 self.report.notes.extend(self.settings.look.filter.absences(&facts));
+                self.report.notes.extend(self.settings.look.point_size.doubt(&facts));
                 self.progressive.open(facts.clone());
                 self.progressive.set_coloring(coloring);
                 self.progressive.carry(self.settings.look.attributes());
@@ -246,7 +247,9 @@ impl<'a> Run<'a> {
         let projection = settings.look.projection;
         let given = settings.camera.map(|camera| camera.or_as(projection));
         let camera = given.unwrap_or_else(|| default_camera_of(facts, first, settings.size, &settings.look));
-        let view = camera.view(&facts.grid, settings.size, settings.look.point_size)?;
+        let width = settings.look.point_size.on(facts);
+        let view = camera.view(&facts.grid, settings.size, width)?;
+        (self.report.point_size_px, self.report.point_size_world) = (width.pixels(), width.world());
         self.request = Some(FrameRequest { view, fill: settings.fill_budget(), shading: settings.look.shading });
         self.report.camera = Some(camera);
         Ok(())

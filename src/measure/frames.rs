@@ -212,7 +212,7 @@ impl Run<'_> {
         let Some((facts, camera)) = &self.scene else { return Ok(None) };
         let camera = camera.turned(self.frame.into());
         self.frame += 1;
-        let view = camera.view(&facts.grid, self.settings.size, self.settings.look.point_size)?;
+        let view = camera.view(&facts.grid, self.settings.size, self.settings.look.point_size.on(facts))?;
         Ok(Some(FrameRequest { view, fill: self.settings.fill, shading: self.settings.look.shading }))
     }
 

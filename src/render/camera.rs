@@ -4,7 +4,7 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    point_size::{MAX_WORLD_PX, PointSize},
+    point_size::{MAX_WORLD_PX, PointWidth},
     view::View,
 };
 use crate::scene::{Bounds, Grid};
@@ -190,7 +190,7 @@ impl Camera {
     }
 
     /// What the kernels need to project this scene's points to `size` pixels.
-    pub fn view(&self, grid: &Grid, size: [u32; 2], point_size: impl Into<PointSize>) -> Result<View, CameraError> {
+    pub fn view(&self, grid: &Grid, size: [u32; 2], point_size: impl Into<PointWidth>) -> Result<View, CameraError> {
         self.check()?;
         let snap = |p: [f64; 3]| grid.steps(p).map(|s| (s * EYE_SUBSTEPS).round() / EYE_SUBSTEPS);
         let (eye, target) = (snap(self.eye), snap(self.target));
@@ -225,12 +225,12 @@ impl Camera {
         let row = |v: DVec3, last: f32| [v.x as f32, v.y as f32, v.z as f32, last];
         let whole = anchor.map(f64::floor);
         let (point_size, row_y_last) = match (point_size.into(), self.projection) {
-            (PointSize::Pixels(pixels), Projection::Perspective) => (pixels, 0.0),
-            (PointSize::World(size), Projection::Perspective) => (MAX_WORLD_PX, size * pixels_per_unit),
+            (PointWidth::Pixels(pixels), Projection::Perspective) => (pixels, 0.0),
+            (PointWidth::World(size), Projection::Perspective) => (MAX_WORLD_PX, size * pixels_per_unit),
             (size, Projection::Orthographic) => {
                 let pixels = match size {
-                    PointSize::Pixels(pixels) => pixels,
-                    PointSize::World(size) => (size * pixels_per_unit + 0.5).clamp(1.0, MAX_WORLD_PX.into()) as u32,
+                    PointWidth::Pixels(pixels) => pixels,
+                    PointWidth::World(size) => (size * pixels_per_unit + 0.5).clamp(1.0, MAX_WORLD_PX.into()) as u32,
                 };
                 (pixels, (0.5 * fov_y_deg().to_radians()).tan().recip() / zoom)
             }

@@ -68,7 +68,7 @@ pub use legend::{Legend, LegendClass, LegendKey, Tick};
 pub use lens::Lens;
 pub use look::Look;
 pub use pick::{MAX_REACH, Pick, PickAt, PickTicket};
-pub use point_size::{MAX_PX, MAX_WORLD_PX, PointSize};
+pub use point_size::{MAX_PX, MAX_WORLD_PX, PointSize, PointWidth};
 pub use progressive::Progressive;
 pub use scale::{Scale, Transfer, key_of, value_of};
 pub use shading::{AVERAGED_DEPTH, EDL_GAIN, MOST_FRAGMENTS};

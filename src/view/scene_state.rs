@@ -361,9 +361,9 @@ impl SceneState {
     }
 
     fn whole_picture(&mut self, settings: &Settings, shot: &Shot) -> Result<Picture, String> {
-        let grid = *self.navigation.as_ref().ok_or("there is no scene")?.grid();
-        let size = shot.options.size;
-        let view = shot.camera.view(&grid, size, settings.look.point_size).map_err(|error| error.to_string())?;
+        let facts = self.facts().ok_or("there is no scene")?;
+        let (size, width) = (shot.options.size, settings.look.point_size.on(facts));
+        let view = shot.camera.view(&facts.grid, size, width).map_err(|error| error.to_string())?;
         let request = FrameRequest { view, fill: self.fill, shading: settings.shading() };
         let drawn = self.progressive.backend_mut().resize(size).and_then(|()| self.progressive.brute_force(&request));
         drawn.and_then(|_| self.progressive.read()).map_err(|error| error.to_string())
@@ -371,9 +371,8 @@ impl SceneState {
 
     /// What the camera sees, if there is one.
     fn view(&self, settings: &Settings, size: [u32; 2]) -> Result<Option<View>, CameraError> {
-        let view =
-            |navigation: &Navigation| navigation.camera().view(navigation.grid(), size, settings.look.point_size);
-        self.navigation.as_ref().map(view).transpose()
+        let Some((navigation, facts)) = self.navigation.as_ref().zip(self.facts()) else { return Ok(None) };
+        navigation.camera().view(navigation.grid(), size, settings.look.point_size.on(facts)).map(Some)
     }
 
     /// What the headers say of the scene on screen.

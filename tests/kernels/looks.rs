@@ -3,7 +3,7 @@
 
 use firstlight::{
     render::{
-        Backend, Camera, CpuBackend, FillBudget, FrameRequest, MAX_WORLD_PX, Picture, PointSize, Progressive,
+        Backend, Camera, CpuBackend, FillBudget, FrameRequest, MAX_WORLD_PX, Picture, PointWidth, Progressive,
         Projection, Shading,
     },
     scene::{Bounds, Grid},
@@ -18,21 +18,21 @@ use crate::{
 const SIZE: [u32; 2] = [97, 61];
 
 /// Projections and sizes, and how wide the points of the scene may get.
-fn cases() -> Vec<(Projection, PointSize)> {
+fn cases() -> Vec<(Projection, PointWidth)> {
     use Projection::{Orthographic, Perspective};
     vec![
-        (Orthographic, PointSize::Pixels(1)),
-        (Orthographic, PointSize::Pixels(3)),
-        (Orthographic, PointSize::World(5.0)),
-        (Orthographic, PointSize::World(1e6)),
+        (Orthographic, PointWidth::Pixels(1)),
+        (Orthographic, PointWidth::Pixels(3)),
+        (Orthographic, PointWidth::World(5.0)),
+        (Orthographic, PointWidth::World(1e6)),
         // A few pixels, and more the nearer; one pixel nearly everywhere; as wide as any.
-        (Perspective, PointSize::World(5.0)),
-        (Perspective, PointSize::World(0.5)),
-        (Perspective, PointSize::World(1e6)),
+        (Perspective, PointWidth::World(5.0)),
+        (Perspective, PointWidth::World(0.5)),
+        (Perspective, PointWidth::World(1e6)),
     ]
 }
 
-fn request(cloud: &Cloud, projection: Projection, size: PointSize, step: usize, high_quality: bool) -> FrameRequest {
+fn request(cloud: &Cloud, projection: Projection, size: PointWidth, step: usize, high_quality: bool) -> FrameRequest {
     let camera = Camera { projection, ..cloud.camera_moved(step) }.before(&cloud.facts.bounds);
     let view = camera.view(&cloud.facts.grid, SIZE, size).unwrap();
     FrameRequest { view, fill: FillBudget::Fixed(700), shading: Shading { high_quality, ..Default::default() } }
@@ -104,7 +104,7 @@ fn a_point_is_as_wide_as_it_is_from_there() {
     let grid = Grid { scale: [0.001; 3], origin: [0.0; 3] };
     for projection in [Projection::Perspective, Projection::Orthographic] {
         let camera = Camera { eye: [0.0, -2.0, 0.0], target: [0.0, 0.0, 0.0], projection, ..Default::default() };
-        let view = camera.view(&grid, [640, 480], PointSize::World(0.05)).unwrap();
+        let view = camera.view(&grid, [640, 480], PointWidth::World(0.05)).unwrap();
         let mut widths = std::collections::BTreeSet::new();
         for depth in [0.01, 0.1, 0.5, 0.7, 0.9, 1.0, 1.4, 2.0, 3.0, 8.0, 20.0, 50.0, 1e3, 1e6] {
             let along = if projection == Projection::Perspective { depth } else { 2.0 };
@@ -125,7 +125,7 @@ fn no_unit_changes_a_picture() {
     for projection in [Projection::Perspective, Projection::Orthographic] {
         let picture = |power: i32, strength: f32| {
             let cloud = Cloud::town(20_000).with_scale(2f64.powi(power));
-            let mut request = request(&cloud, projection, PointSize::Pixels(2), 3, false);
+            let mut request = request(&cloud, projection, PointWidth::Pixels(2), 3, false);
             request.shading.edl_strength = strength;
             draw_all(&cloud, &request)
         };
@@ -236,7 +236,7 @@ fn lighting_bears_any_range_of_depths() {
 #[test]
 fn holes_are_filled_alike_and_change_colours_only() {
     let cloud = Cloud::town(9_000);
-    for (points, strength) in [(PointSize::Pixels(1), 0.0), (PointSize::Pixels(2), 0.4)] {
+    for (points, strength) in [(PointWidth::Pixels(1), 0.0), (PointWidth::Pixels(2), 0.4)] {
         let mut reference: Option<Picture> = None;
         for mut session in Session::all(&cloud, options(4096)) {
             session.offer(&cloud, 0..cloud.len(), 3000);

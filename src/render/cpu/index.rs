@@ -47,7 +47,7 @@ mod tests {
 
     use super::*;
     use crate::{
-        render::{Camera, PointSize},
+        render::{Camera, PointWidth},
         scene::Grid,
     };
 
@@ -62,7 +62,7 @@ mod tests {
             ..Default::default()
         };
         let noise = |i: u32, k: u32| ((i.wrapping_mul(0x9E37_79B9) ^ k).wrapping_mul(0x85EB_CA6B) >> 12) as i32;
-        let sizes = (1..=8).map(PointSize::Pixels).chain([0.1, 0.5, 1e6].map(PointSize::World));
+        let sizes = (1..=8).map(PointWidth::Pixels).chain([0.1, 0.5, 1e6].map(PointWidth::World));
         for point_size in sizes {
             for count in [0, 1, 2, 33, 257, 4097] {
                 let view = camera.view(&grid, [129, 131], point_size).unwrap();

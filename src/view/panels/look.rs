@@ -8,21 +8,29 @@ use crate::render::{MAX_PX, PointSize, Projection, Shading};
 /// Strengths of eye-dome lighting that the control offers; more can be asked for on the command line.
 const EDL: std::ops::RangeInclusive<f32> = 0.05..=4.0;
 
-/// Width of a point, in pixels or in the file's unit.
+/// Width of a point, in pixels or in space.
 fn point_size(ui: &mut Ui, size: &mut PointSize) {
     let mut in_pixels = size.pixels().is_some();
     match size {
         PointSize::Pixels(pixels) => {
             ui.add(Slider::new(pixels, 1..=MAX_PX).text("Point size, px")).on_hover_text("Width of a point ([ and ])");
         }
-        PointSize::World(world) => {
-            ui.add(Slider::new(world, 0.001..=10.0).logarithmic(true).text("Point size, units"))
-                .on_hover_text("Width of a point in the file's unit ([ and ])");
-        }
+        PointSize::World(length) => length_slider(ui, length, "units"),
+        PointSize::Metres(length) => length_slider(ui, length, "m"),
+        PointSize::Feet(length) => length_slider(ui, length, "ft"),
     }
-    if ui.checkbox(&mut in_pixels, "In pixels").on_hover_text("Or in the file's unit, larger from near").changed() {
-        *size = if in_pixels { PointSize::Pixels(2) } else { PointSize::World(0.05) };
+    if ui
+        .checkbox(&mut in_pixels, "In pixels")
+        .on_hover_text("Or in metres (the file's unit where it does not say how long that is), larger from near")
+        .changed()
+    {
+        *size = if in_pixels { PointSize::Pixels(2) } else { PointSize::Metres(0.05) };
     }
+}
+
+fn length_slider(ui: &mut Ui, length: &mut f64, unit: &str) {
+    ui.add(Slider::new(length, 0.001..=10.0).logarithmic(true).text(format!("Point size, {unit}")))
+        .on_hover_text("Width of a point in space ([ and ])");
 }
 
 /// Shows the section.
