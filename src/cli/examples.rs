@@ -29,7 +29,7 @@ Examples:
 pub const POINT: &str = "\
 Examples:
   firstlight point scan.laz 0
-  firstlight point scan.laz 1200 1201 1202 --csv > points.csv
+  firstlight point scan.laz 0 1200..1205 --csv > points.csv
   firstlight point scan.laz 1200 --json | jq .gps_time";
 
 pub const PICK: &str = "\

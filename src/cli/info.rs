@@ -4,12 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{CliError, ExitStatus, say};
-use crate::{
-    headless::{Destination, HeadlessError},
-    info::Info,
-    source,
-};
+use super::{CliError, ExitStatus, point::print, say};
+use crate::{headless::HeadlessError, info::Info, source};
 
 #[derive(Debug, Args)]
 pub struct InfoArgs {
@@ -54,9 +50,4 @@ fn text(args: &InfoArgs, infos: &[Info]) -> String {
         _ => serde_json::to_string_pretty(infos),
     };
     format!("{}\n", json.expect("strings, numbers and lists are always JSON"))
-}
-
-/// Prints to standard output. A reader that has seen enough (`| head`) is no failure.
-fn print(text: &str) -> Result<(), HeadlessError> {
-    Ok(Destination::Stdout.write(|out| out.write_all(text.as_bytes()))?)
 }

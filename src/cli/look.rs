@@ -8,9 +8,13 @@ use crate::render::{
     Shading, Slab, Tone,
 };
 
+/// The heading of the options here that are not under another.
+const HEADING: &str = "How it looks";
+
+/// The options that say where points are in a picture, and how large.
 #[derive(Debug, Clone, Args)]
-#[command(next_help_heading = "How it looks")]
-pub struct LookArgs {
+#[command(next_help_heading = HEADING)]
+pub struct ShapeArgs {
     /// Width of a point: pixels, 1 to 8, or a size such as 0.05m, 0.2ft or 0.05u (the file's unit), drawn as large as
     /// it is from there (up to 32 pixels); m and ft are the file's unit where it does not say how long that is; by
     /// default 1 in a picture and 2 in the window
@@ -19,6 +23,25 @@ pub struct LookArgs {
     /// Without perspective: everything looks as large as at the camera's target
     #[arg(long)]
     orthographic: bool,
+}
+
+impl ShapeArgs {
+    /// If one is given.
+    pub fn point_size(&self) -> Option<PointSize> {
+        self.point_size
+    }
+
+    pub fn projection(&self) -> Projection {
+        if self.orthographic { Projection::Orthographic } else { Projection::Perspective }
+    }
+}
+
+/// All options of a [`Look`]. Their headings hold for what follows: an option that is none of them stands before.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = HEADING)]
+pub struct LookArgs {
+    #[command(flatten)]
+    shape: ShapeArgs,
     /// Strength of eye-dome lighting; 0 turns it off
     #[arg(long, value_name = "STRENGTH", default_value_t = Shading::default().edl_strength, value_parser = values::parse_strength, allow_negative_numbers = true)]
     edl: f32,
@@ -34,7 +57,7 @@ pub struct LookArgs {
     background: Option<[u8; 3]>,
     /// Draw over the picture: the scene's bounding box, a scale bar, a north arrow, what the colours mean; none:
     /// nothing, also where the window remembers some
-    #[arg(long, value_name = "box,scale,north,legend")]
+    #[arg(long, value_name = "box,scale,north,legend", value_parser = values::named::<Decor>(Decor::names), hide_possible_values = true)]
     decorate: Option<Decor>,
     #[command(flatten)]
     filter: FilterArgs,
@@ -75,7 +98,7 @@ pub struct ColorArgs {
     /// auto (rgb if a file has any, else intensity, else elevation), rgb, intensity, elevation, classification,
     /// return-number, number-of-returns, point-source, user-data, scan-angle, gps-time, file, or extra:NAME, an
     /// extra-bytes dimension
-    #[arg(long, value_name = "WHAT", default_value = "auto")]
+    #[arg(long, value_name = "WHAT", default_value = "auto", value_parser = values::named::<ColorBy>(ColorBy::names), hide_possible_values = true)]
     color_by: ColorBy,
     /// Values that have the first and the last colour, in the attribute's unit; by default from the points
     #[arg(long, value_name = "LOW,HIGH", value_parser = values::parse_range, allow_hyphen_values = true)]
@@ -85,7 +108,7 @@ pub struct ColorArgs {
     color_clip: f64,
     /// viridis, plasma, inferno, magma, cividis, turbo, spectral or grey; by default grey for intensity, else
     /// viridis
-    #[arg(long, value_name = "MAP")]
+    #[arg(long, value_name = "MAP", value_parser = values::named::<ColorMap>(ColorMap::names), hide_possible_values = true)]
     color_map: Option<ColorMap>,
     /// Another colour for a class, such as 6=#ff0000; may be repeated
     #[arg(long, value_name = "CLASS=#RRGGBB", value_delimiter = ',', value_parser = values::parse_class_color)]
@@ -123,7 +146,7 @@ impl ColorArgs {
 }
 
 /// Which field of [`Look`] an option sets, as a JSON pointer.
-const FIELDS: [(&str, &str); 19] = [
+pub const FIELDS: [(&str, &str); 19] = [
     ("point_size", "/point_size"),
     ("orthographic", "/projection"),
     ("fill_holes", "/shading/fill_holes"),
@@ -155,8 +178,8 @@ impl LookArgs {
     /// `point_size` is for where none is given.
     pub fn look(&self, point_size: PointSize) -> Look {
         Look {
-            point_size: self.point_size.unwrap_or(point_size),
-            projection: if self.orthographic { Projection::Orthographic } else { Projection::Perspective },
+            point_size: self.shape.point_size().unwrap_or(point_size),
+            projection: self.shape.projection(),
             shading: Shading {
                 edl_strength: self.edl,
                 high_quality: self.hq,

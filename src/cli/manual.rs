@@ -2,7 +2,7 @@
 
 use std::{fs, path::PathBuf};
 
-use clap::{Args, Command};
+use clap::{Arg, Args, Command, ValueHint};
 use clap_complete::Shell;
 
 use super::{CliError, ExitStatus, point::print};
@@ -37,10 +37,20 @@ pub fn man(args: ManArgs, command: Command) -> Result<ExitStatus, CliError> {
     Ok(ExitStatus::Ok)
 }
 
-pub fn completions(args: CompletionsArgs, mut command: Command) -> Result<ExitStatus, CliError> {
+pub fn completions(args: CompletionsArgs, command: Command) -> Result<ExitStatus, CliError> {
+    let mut command = without_files(command);
     let mut script = Vec::new();
     let name = command.get_name().to_owned();
     clap_complete::generate(args.shell, &mut command, name, &mut script);
     print(&String::from_utf8_lossy(&script))?;
     Ok(ExitStatus::Ok)
+}
+
+/// Completions offer files for any value of which they know nothing: here, all that are paths say so by their type.
+fn without_files(command: Command) -> Command {
+    let typed = |arg: Arg| {
+        let is_unknown = arg.get_action().takes_values() && arg.get_value_hint() == ValueHint::Unknown;
+        if is_unknown { arg.value_hint(ValueHint::Other) } else { arg }
+    };
+    command.mut_args(typed).mut_subcommands(without_files)
 }

@@ -198,6 +198,32 @@ mod tests {
         words
     }
 
+    /// A heading holds for all options that follow: those of a look, and no others, are under one of its.
+    #[test]
+    fn options_stand_under_their_own_headings() {
+        let mut command = Cli::command();
+        command.build();
+        let mut under = 0;
+        for command in command.get_subcommands().chain([&command]) {
+            // Others have options of the same names.
+            let has_look = command.get_arguments().any(|argument| argument.get_id() == "slab");
+            for argument in command.get_arguments() {
+                let id = argument.get_id().as_str();
+                let expected = match look::FIELDS.iter().find(|(option, _)| has_look && *option == id) {
+                    None => None,
+                    Some((_, field)) if field.starts_with("/filter") || field.starts_with("/clip") => {
+                        Some("What is shown")
+                    }
+                    Some((_, field)) if field.starts_with("/coloring") => Some("How it is coloured"),
+                    Some(_) => Some("How it looks"),
+                };
+                assert_eq!(argument.get_help_heading(), expected, "{} {id}", command.get_name());
+                under += usize::from(expected.is_some());
+            }
+        }
+        assert!(under > 50, "{under}");
+    }
+
     #[test]
     fn every_command_has_examples_that_parse() {
         let mut command = Cli::command();

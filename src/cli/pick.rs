@@ -6,15 +6,15 @@ use clap::Args;
 
 use super::{
     CliError, ExitStatus,
-    look::LookArgs,
+    look::{FilterArgs, ShapeArgs},
     point::{FormArgs, print},
-    render::{BackendArg, backend_choice, progress_style, read_camera, tell_missing, with_help},
+    render::{BackendArg, backend_choice, progress_style, read_camera, tell_notes, with_help},
     say, values,
 };
 use crate::{
     headless::{self, Outputs, Picked, Settings, Stop},
     inspect::{Field, PointRecord, Value, shortest_f32},
-    render::{INSERTION_POINTS, MAX_REACH, Pick, PickAt, PointSize, RasterChoice},
+    render::{INSERTION_POINTS, Look, MAX_REACH, Pick, PickAt, RasterChoice},
 };
 
 #[derive(Debug, Args)]
@@ -45,11 +45,26 @@ pub struct PickArgs {
     /// Fixes the order of the points in the store
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    #[command(flatten)]
-    look: LookArgs,
     /// Decoder threads; by default one per core, less one
     #[arg(long, value_name = "N", value_parser = values::parse_threads)]
     threads: Option<usize>,
+    #[command(flatten)]
+    shape: ShapeArgs,
+    #[command(flatten)]
+    filter: FilterArgs,
+}
+
+impl PickArgs {
+    /// What decides which points a picture shows; their colours do not.
+    fn look(&self) -> Look {
+        Look {
+            point_size: self.shape.point_size().unwrap_or_default(),
+            projection: self.shape.projection(),
+            filter: self.filter.filter(),
+            clip: self.filter.clip(),
+            ..Default::default()
+        }
+    }
 }
 
 pub fn run(args: PickArgs, started: Instant) -> Result<ExitStatus, CliError> {
@@ -68,7 +83,7 @@ pub fn run(args: PickArgs, started: Instant) -> Result<ExitStatus, CliError> {
         method: args.method,
         encoding: None,
         fill: None,
-        look: args.look.look(PointSize::default()),
+        look: args.look(),
         seed: args.seed,
         insertion_points: INSERTION_POINTS,
         stop: Stop::Converged,
@@ -91,7 +106,7 @@ pub fn run(args: PickArgs, started: Instant) -> Result<ExitStatus, CliError> {
         }
     }
     print(&args.form.text(&found))?;
-    Ok(tell_missing(&picked.report, true))
+    Ok(tell_notes(&picked.report, false))
 }
 
 /// What the picture and the file say of a picked point.

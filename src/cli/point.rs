@@ -1,10 +1,10 @@
 //! `firstlight point`.
 
-use std::{path::PathBuf, sync::atomic::AtomicBool};
+use std::{ops::RangeInclusive, path::PathBuf, sync::atomic::AtomicBool};
 
 use clap::Args;
 
-use super::{CliError, ExitStatus};
+use super::{CliError, ExitStatus, values};
 use crate::{
     headless::{Destination, HeadlessError},
     inspect::{self, Field, PointRecord},
@@ -16,9 +16,9 @@ pub struct PointArgs {
     /// A LAS or LAZ file
     #[arg(value_name = "FILE")]
     file: PathBuf,
-    /// Numbers of the records, counted from 0 in the order of the file, as in `render --ids`
-    #[arg(value_name = "RECORD", required = true)]
-    records: Vec<u64>,
+    /// Numbers of the records, counted from 0 in the order of the file, as in `render --ids`; 1200..1205 are six
+    #[arg(value_name = "RECORD", required = true, value_parser = values::parse_records)]
+    records: Vec<RangeInclusive<u64>>,
     #[command(flatten)]
     form: FormArgs,
 }
@@ -43,11 +43,11 @@ pub struct Sheet {
 pub fn run(args: PointArgs) -> Result<ExitStatus, CliError> {
     let never = AtomicBool::new(false);
     let file = RecordFile::open(&args.file, &never).map_err(HeadlessError::Input)?;
-    let read = |record: &u64| {
-        let record = PointRecord::read_from(&file, *record, &never)?;
+    let read = |record: u64| {
+        let record = PointRecord::read_from(&file, record, &never)?;
         Ok(Some(Sheet { fields: record.fields(), card: record.card() }))
     };
-    let sheets: Result<Vec<_>, RecordError> = args.records.iter().map(read).collect();
+    let sheets: Result<Vec<_>, RecordError> = args.records.into_iter().flatten().map(read).collect();
     print(&args.form.text(&sheets?))?;
     Ok(ExitStatus::Ok)
 }

@@ -68,8 +68,6 @@ pub struct RenderArgs {
     /// Write what was read, drawn and measured (`-`: standard output)
     #[arg(long, value_name = "REPORT.json")]
     json: Option<PathBuf>,
-    #[command(flatten)]
-    look: LookArgs,
     /// Decoder threads; by default one per core, less one
     #[arg(long, value_name = "N", value_parser = values::parse_threads)]
     threads: Option<usize>,
@@ -82,6 +80,8 @@ pub struct RenderArgs {
     /// How the store holds positions; no pixel depends on it
     #[arg(long, value_enum, default_value_t, hide = true)]
     encoding: EncodingChoice,
+    #[command(flatten)]
+    look: LookArgs,
 }
 
 /// [`BackendChoice`] on the command line.
@@ -102,18 +102,15 @@ pub fn run(args: RenderArgs, started: Instant) -> Result<ExitStatus, CliError> {
 
 /// Says what a run gave, and which exit status that is.
 pub fn tell(report: &Report, quiet: bool) -> ExitStatus {
-    let status = tell_missing(report, quiet);
+    let status = tell_notes(report, quiet);
     if !quiet {
-        for note in &report.notes {
-            say(&format!("firstlight: {note}"));
-        }
         say(&summary(report));
     }
     status
 }
 
-/// Says what a run left out, and which exit status that is.
-pub fn tell_missing(report: &Report, quiet: bool) -> ExitStatus {
+/// Says what a run left out, decided or ran into, and which exit status that is.
+pub fn tell_notes(report: &Report, quiet: bool) -> ExitStatus {
     for file in &report.files {
         if let Some(error) = &file.error {
             // Not silenced by --quiet: points are missing.
@@ -122,6 +119,9 @@ pub fn tell_missing(report: &Report, quiet: bool) -> ExitStatus {
         for warning in file.warnings.iter().filter(|_| !quiet) {
             say(&format!("firstlight: {}", with_path(&file.path, warning)));
         }
+    }
+    for note in report.notes.iter().filter(|_| !quiet) {
+        say(&format!("firstlight: {note}"));
     }
     if report.is_partial() { ExitStatus::Partial } else { ExitStatus::Ok }
 }
@@ -221,6 +221,7 @@ impl RenderArgs {
     }
 
     fn outputs(&self) -> Result<Outputs, CliError> {
+        self.output.as_deref().map_or(Ok(()), check_picture_name)?;
         let named = [("-o", &self.output), ("--ids", &self.ids), ("--depth", &self.depth), ("--json", &self.json)];
         let mut checked: Vec<(&str, Destination)> = Vec::new();
         // Also the files of folders: a picture must not replace a scan.
@@ -242,6 +243,22 @@ impl RenderArgs {
         });
         Ok(Outputs { picture: output?, ids: ids?, depth: depth?, report: json? })
     }
+}
+
+/// Extensions of pictures that are no PNG, for which a name says something that the file would not be.
+const OTHER_PICTURES: [&str; 12] =
+    ["jpg", "jpeg", "jxl", "avif", "webp", "gif", "bmp", "tif", "tiff", "exr", "svg", "pdf"];
+
+fn check_picture_name(path: &Path) -> Result<(), CliError> {
+    let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
+    if OTHER_PICTURES.iter().any(|other| extension.eq_ignore_ascii_case(other)) {
+        return Err(CliError::Usage(format!(
+            "-o {}: pictures are written as PNG; name it {}",
+            path.display(),
+            path.with_extension("png").display()
+        )));
+    }
+    Ok(())
 }
 
 /// True if one output would overwrite the other. Devices such as `/dev/null` take any number.

@@ -1,8 +1,11 @@
 //! Values as users type them.
 
-use std::str::FromStr;
+use std::{error::Error, ffi::OsStr, marker::PhantomData, ops::RangeInclusive, str::FromStr};
 
-use clap::ValueEnum;
+use clap::{
+    Arg, Command, ValueEnum,
+    builder::{PossibleValue, TypedValueParser},
+};
 
 use crate::{
     device::Raster,
@@ -33,6 +36,44 @@ impl EncodingChoice {
             EncodingChoice::Wide => Some(Encoding::Wide),
             EncodingChoice::Packed => Some(Encoding::Packed),
         }
+    }
+}
+
+/// Reads a value by its `FromStr`, and names some for completions, which would offer files otherwise. Unlike with
+/// clap's own list of values, there may be others (`extra:NAME`), and the message is that of `FromStr`.
+#[derive(Debug, Clone)]
+pub struct Named<T> {
+    names: fn() -> Vec<&'static str>,
+    read: PhantomData<T>,
+}
+
+pub fn named<T>(names: fn() -> Vec<&'static str>) -> Named<T> {
+    Named { names, read: PhantomData }
+}
+
+impl<T> TypedValueParser for Named<T>
+where
+    T: FromStr<Err: Into<Box<dyn Error + Send + Sync>>> + Clone + Send + Sync + 'static,
+{
+    type Value = T;
+
+    fn parse_ref(&self, command: &Command, arg: Option<&Arg>, value: &OsStr) -> Result<T, clap::Error> {
+        T::from_str.parse_ref(command, arg, value)
+    }
+
+    fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue>>> {
+        Some(Box::new((self.names)().into_iter().map(PossibleValue::new)))
+    }
+}
+
+/// The number of a record, or `1200..1205`, both of which belong to it.
+pub fn parse_records(text: &str) -> Result<RangeInclusive<u64>, String> {
+    let (first, last) = text.split_once("..").unwrap_or((text, text));
+    match [first, last].map(|n| n.trim().parse::<u64>()) {
+        [Ok(first), Ok(last)] if first <= last => Ok(first..=last),
+        _ => Err(format!(
+            "expected the number of a record, such as 1200, or FIRST..LAST, such as 1200..1205, found `{text}`"
+        )),
     }
 }
 
@@ -305,6 +346,10 @@ mod tests {
         assert_eq!(parse_pixel("800, 450"), Ok([800, 450]));
         for text in ["", "800", "800x450", "-1,0", "1,2,3", "1.5,2"] {
             assert!(parse_pixel(text).is_err(), "{text}");
+        }
+        assert_eq!((parse_records("7"), parse_records("7..9")), (Ok(7..=7), Ok(7..=9)));
+        for text in ["", "..", "7..", "9..7", "-1", "7..=9", "7-9", "1.5"] {
+            assert!(parse_records(text).is_err_and(|why| why.contains("1200..1205")), "{text}");
         }
         assert_eq!(parse_stop("frames=5"), Ok(Stop::Frames(5)));
         assert_eq!(parse_stop("points=1M"), Ok(Stop::Points(1_000_000)));

@@ -215,6 +215,7 @@ impl<'a> Run<'a> {
                 self.report.notes.extend(facts.warnings.iter().cloned());
                 let coloring = &self.settings.look.coloring;
                 self.report.notes.extend(coloring.absences(&facts));
+                self.report.notes.extend(coloring.without_effect());
                 self.report.notes.extend(self.settings.look.filter.absences(&facts));
                 self.report.notes.extend(self.settings.look.point_size.doubt(&facts));
                 self.progressive.open(facts.clone());

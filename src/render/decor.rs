@@ -36,6 +36,11 @@ impl Decor {
         [&mut self.bounding_box, &mut self.scale_bar, &mut self.north_arrow, &mut self.legend]
     }
 
+    /// What [`Decor::from_str`](std::str::FromStr) takes.
+    pub fn names() -> Vec<&'static str> {
+        NAMES.into_iter().chain([NONE]).collect()
+    }
+
     /// Whether there is anything to draw.
     pub fn is_empty(self) -> bool {
         self == Decor::default()
@@ -50,7 +55,7 @@ impl std::str::FromStr for Decor {
         if text == NONE {
             return Ok(decor);
         }
-        for name in text.split(',') {
+        for name in text.split(',').map(str::trim) {
             let known = decor.parts().into_iter().zip(NAMES).find(|(_, known)| *known == name);
             let (part, _) =
                 known.ok_or_else(|| format!("expected {NONE} or some of {}, found `{name}`", NAMES.join(", ")))?;
@@ -249,6 +254,7 @@ mod tests {
         for text in ["none", "legend", "box", "scale", "north", "box,scale", "box,scale,north,legend"] {
             assert_eq!(text.parse::<Decor>().expect(text).to_string(), text);
         }
+        assert_eq!("box, scale".parse::<Decor>().expect("blanks").to_string(), "box,scale");
         assert!("box,ruler".parse::<Decor>().is_err_and(|why| why.contains("north") && why.contains("`ruler`")));
         assert!("".parse::<Decor>().is_err());
     }

@@ -30,6 +30,12 @@ fn every_mistake_has_its_line_and_its_code() {
         ("a.las -o x.png --size 0x10", 2, &["--size", "1600x900", "0x10"]),
         ("a.las -o x.png --size 100000x100000", 2, &["--size", "pixels"]),
         ("a.las -o x.png --point-size 9", 2, &["--point-size", "pixels from 1 to 8"]),
+        ("a.las -o x.png --point-size 5cm", 2, &["--point-size", "0.05m, 0.2ft or 0.05u"]),
+        ("a.las -o x.jpg", 2, &["-o x.jpg", "PNG", "x.png"]),
+        ("a.las -o x.TIFF", 2, &["-o x.TIFF", "PNG", "x.png"]),
+        ("a.las -o x.png --color-map jet", 2, &["--color-map", "viridis, plasma", "`jet`"]),
+        ("a.las -o x.png --color-by colour", 2, &["--color-by", "auto, rgb, intensity", "extra:NAME", "`colour`"]),
+        ("a.las -o x.png --decorate ruler", 2, &["--decorate", "none or some of box", "`ruler`"]),
         ("a.las -o x.png --fill 0", 2, &["--fill", "at least 1"]),
         ("a.las -o x.png --fill many", 2, &["--fill", "250k", "many"]),
         ("a.las -o x.png --stop later", 2, &["--stop", "converged", "later"]),
@@ -66,6 +72,27 @@ fn every_mistake_has_its_line_and_its_code() {
         }
         assert_eq!(bench.names(), before, "{args}: nothing is left behind");
     }
+}
+
+#[test]
+fn options_that_change_nothing_are_noted() {
+    let bench = Bench::new();
+    bench.scan("a.las", Scene::Planes, 100);
+    let render =
+        |args: &str| bench.run(&format!("render a.las --backend cpu --size 32x32 --json r.json {args}")).expect(0);
+    let run = render("--color-map turbo --color-range 1,2 --class-color 6=#ff0000 --color-by rgb");
+    let messages = run.messages().join("\n");
+    for option in ["--color-map", "--color-range", "--class-color"] {
+        assert_eq!(
+            messages.matches(&format!("firstlight: {option} changes nothing in colours by rgb")).count(),
+            1,
+            "{messages}"
+        );
+    }
+    let report: serde_json::Value = serde_json::from_slice(&std::fs::read(bench.path("r.json")).unwrap()).unwrap();
+    assert_eq!(report["notes"].as_array().unwrap().len(), 3, "{report}");
+    let run = render("--color-by elevation --color-map turbo --color-range 1,2");
+    assert_eq!(run.messages(), [""; 0]);
 }
 
 #[test]

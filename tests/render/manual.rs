@@ -57,6 +57,17 @@ fn completions_name_every_command_and_option() {
             assert!(script.contains(&word), "{shell}: no {word}");
         }
     }
+    let bash = String::from_utf8(bench.run("completions bash").expect(0).stdout).unwrap();
+    let render = bash.rsplit("firstlight__subcmd__render)").next().unwrap().split("esac").next().unwrap();
+    let offered = |option: &str| {
+        let of = render.split(&format!("{option})\n")).nth(1).unwrap_or_else(|| panic!("no {option} in {render}"));
+        of.lines().next().unwrap().trim().to_owned()
+    };
+    for (option, names) in [("--color-map", "viridis plasma"), ("--color-by", "auto rgb"), ("--decorate", "box scale")]
+    {
+        assert!(offered(option).contains(names), "{option}: {}", offered(option));
+    }
+    assert!(!offered("--size").contains("-f") && offered("--camera").contains("-f"), "{}", offered("--size"));
     let run = bench.run("completions tcsh").expect(2);
     assert!(run.stderr.contains("bash") && run.stderr.contains("powershell"), "{}", run.stderr);
 }

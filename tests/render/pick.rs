@@ -76,6 +76,8 @@ fn a_point_is_printed_in_three_forms() {
     assert!(lines[2].starts_with(&format!("a.laz,4321,3,{},", object["X"])), "{csv}");
     let all: Value = serde_json::from_slice(&bench.run("point a.laz 0 4321 --json").expect(0).stdout).unwrap();
     assert_eq!(all[1], object);
+    let range: Value = serde_json::from_slice(&bench.run("point a.laz 4320..4322 --json").expect(0).stdout).unwrap();
+    assert_eq!((range.as_array().unwrap().len(), &range[1]), (3, &object));
 }
 
 #[test]
@@ -87,6 +89,10 @@ fn every_mistake_has_its_line() {
         ("point a.las 100", 2, &["a.las", "no record 100", "expected 0 to 99"][..]),
         ("point a.las -1", 2, &["-1"]),
         ("point a.las", 2, &["RECORD"]),
+        ("point a.las 1-5", 2, &["1-5", "1200..1205"]),
+        ("point a.las 98..100", 2, &["no record 100"]),
+        ("pick a.las --at 5,5 --edl 1", 2, &["--edl"]),
+        ("pick a.las --at 5,5 --color-by rgb", 2, &["--color-by"]),
         ("point a.las 1 --json --csv", 2, &["--json", "--csv"]),
         ("point none.las 1", 3, &["none.las", "no such file"]),
         ("point noise.laz 1", 3, &["noise.laz", "LASF"]),
@@ -105,6 +111,9 @@ fn every_mistake_has_its_line() {
     let far = r#"--camera {"eye":[0,0,1],"target":[0,0,2]}"#;
     let run = bench.run(&format!("pick a.las --backend cpu --at 5,6 {far}")).expect(0);
     assert_eq!((run.messages(), run.stdout.len()), (vec!["firstlight: no point within 4 pixels of 5,6"], 0));
+    // What the run has to say, it says.
+    let run = bench.run(&format!("pick a.las --backend cpu --at 5,6 --filter extra:height=1 {far}")).expect(0);
+    assert!(run.messages().concat().contains("a.las has no extra:height"), "{}", run.stderr);
     let run = bench.run(&format!("pick a.las --backend cpu --at 5,6 --json {far}")).expect(0);
     assert_eq!(run.stdout, b"null\n");
 }

@@ -20,6 +20,11 @@ pub enum ColorBy {
 }
 
 impl ColorBy {
+    /// What [`ColorBy::from_str`] takes, but for the extra dimensions.
+    pub fn names() -> Vec<&'static str> {
+        ["auto", "rgb"].into_iter().chain(Attribute::NAMED.map(|(name, _)| name)).collect()
+    }
+
     /// The attribute, if it is one.
     pub fn attribute(&self) -> Option<&Attribute> {
         match self {
@@ -56,7 +61,7 @@ impl Display for ColorBy {
 
 /// Nothing of this name to colour by.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("expected auto, rgb, {names} or extra:NAME, found `{0}`", names = Attribute::NAMED.map(|(name, _)| name).join(", "))]
+#[error("expected {names} or extra:NAME, found `{0}`", names = ColorBy::names().join(", "))]
 pub struct UnknownColor(String);
 
 impl FromStr for ColorBy {

@@ -35,6 +35,11 @@ impl ColorMap {
         ColorMap::Grey,
     ];
 
+    /// What [`ColorMap::from_str`] takes.
+    pub fn names() -> Vec<&'static str> {
+        ColorMap::ALL.map(ColorMap::name).to_vec()
+    }
+
     pub fn name(self) -> &'static str {
         match self {
             ColorMap::Viridis => "viridis",
@@ -86,7 +91,7 @@ impl Display for ColorMap {
 
 /// There is no colour map of this name.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("expected one of {names}, found `{0}`", names = ColorMap::ALL.map(ColorMap::name).join(", "))]
+#[error("expected one of {names}, found `{0}`", names = ColorMap::names().join(", "))]
 pub struct UnknownMap(String);
 
 impl FromStr for ColorMap {

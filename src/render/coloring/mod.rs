@@ -63,6 +63,24 @@ impl Coloring {
         self.files.get(&number).copied().unwrap_or_else(|| palette(number))
     }
 
+    /// Settings that change nothing, one line each: what they were made for is not what points are coloured by.
+    pub fn without_effect(&self) -> Vec<String> {
+        let (usual, by) = (Coloring::default(), &self.by);
+        let is_measured = by.attribute().is_some_and(|attribute| !attribute.is_categorical());
+        let has_map = is_measured || *by == ColorBy::Auto;
+        let is_by = |attribute| by.attribute() == Some(&attribute);
+        let measured = "what is measured, such as elevation";
+        let idle = [
+            (self.range.is_some() && !is_measured, "--color-range", measured),
+            (self.clip_percent != usual.clip_percent && !is_measured, "--color-clip", measured),
+            (self.map.is_some() && !has_map, "--color-map", measured),
+            (self.classes != usual.classes && !is_by(Attribute::Classification), "--class-color", "classification"),
+            (self.files != usual.files && !is_by(Attribute::File), "--file-color", "file"),
+        ];
+        let idle = idle.into_iter().filter(|(is_idle, ..)| *is_idle);
+        idle.map(|(_, option, of)| format!("{option} changes nothing in colours by {by}: it is for {of}")).collect()
+    }
+
     /// What the points have instead, one line for each file that lacks what they are to be coloured by.
     pub fn absences(&self, scene: &SceneFacts) -> Vec<String> {
         let lacking = scene.files.iter().filter(|file| !self.by.is_in(file));
@@ -75,4 +93,32 @@ fn absence(by: &ColorBy, file: &FileFacts) -> String {
     let all = std::iter::once(ColorBy::Rgb).chain(Attribute::NAMED.map(|(_, a)| ColorBy::Attribute(a))).chain(extra);
     let has: Vec<String> = all.filter(|by| by.is_in(file)).map(|by| by.to_string()).collect();
     format!("{} has no {by}: its points are grey; --color-by takes {}", file.path.display(), has.join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn settings_that_change_nothing_are_told() {
+        let mut all = Coloring { map: Some(ColorMap::Turbo), range: Some([0.0, 1.0]), ..Default::default() };
+        all.clip_percent = 5.0;
+        all.classes.set_color(6, [1, 2, 3]);
+        all.files.insert(0, [1, 2, 3]);
+        for (by, expected) in [
+            ("auto", &["--color-range", "--color-clip", "--class-color", "--file-color"][..]),
+            ("rgb", &["--color-range", "--color-clip", "--color-map", "--class-color", "--file-color"]),
+            ("classification", &["--color-range", "--color-clip", "--color-map", "--file-color"]),
+            ("file", &["--color-range", "--color-clip", "--color-map", "--class-color"]),
+            ("elevation", &["--class-color", "--file-color"]),
+            ("extra:height", &["--class-color", "--file-color"]),
+        ] {
+            let by: ColorBy = by.parse().unwrap();
+            let told = Coloring { by: by.clone(), ..all.clone() }.without_effect();
+            let options: Vec<&str> = told.iter().filter_map(|line| line.split(' ').next()).collect();
+            assert_eq!(options, expected, "{by}");
+            assert!(told.iter().all(|line| line.contains(&format!(" by {by}: "))), "{told:?}");
+            assert!(Coloring { by, ..Default::default() }.without_effect().is_empty());
+        }
+    }
 }
