@@ -18,6 +18,6 @@ pub use decorate::{decorate, text_px};
 pub use framing::{box_to_fit, default_camera, default_camera_of};
 pub use outputs::{Destination, OutputError, Outputs, picture_sha256, write_npy_f32, write_npy_i64, write_png};
 pub use progress::{ProgressStyle, grouped};
-pub use report::{FileEntry, OutputPaths, Report, Seconds};
+pub use report::{FileEntry, KeyEntry, LegendEntry, OutputPaths, Report, Seconds};
 pub use run::{HeadlessError, Picked, make_backend, pick, render};
 pub use settings::{BackendChoice, CONVERGE_FILL, COUNTED_FILL, Settings, Stop, fields_of};

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::settings::Settings;
 use crate::{
-    render::{BackendInfo, Camera, Choice, Filter},
+    render::{BackendInfo, Camera, Choice, ColorMap, Filter, Legend, LegendClass, LegendKey, Look, Transfer},
     scene::{Bounds, Grid, SceneFacts},
     source::{SourceReport, ThreadTimes},
     store::Encoding,
@@ -64,6 +64,10 @@ pub struct Report {
     /// In the file's unit; null where it is in pixels.
     pub point_size_world: Option<f64>,
     pub edl_strength: f32,
+    /// All that was asked for of how the scene is shown, with the defaults of what was not.
+    pub look: Look,
+    /// What the colours mean; null for rgb, and for automatic colours, which differ from file to file.
+    pub legend: Option<LegendEntry>,
     /// As `--filter` takes them.
     pub filter: Filter,
     /// As `--clip` and `--slab` take them; null where there is none.
@@ -89,6 +93,37 @@ pub struct Report {
     pub outputs: OutputPaths,
     /// One line each: what the run decided or ran into.
     pub notes: Vec<String>,
+}
+
+/// What the colours of the picture mean.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LegendEntry {
+    /// What the points are coloured by, and its unit.
+    pub title: String,
+    #[serde(flatten)]
+    pub key: KeyEntry,
+}
+
+/// How values became colours.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum KeyEntry {
+    /// The values with the first and the last colour of the map, and how those between are spread.
+    Scale { low: f64, high: f64, transfer: Transfer, map: ColorMap },
+    /// Of values that are told apart: each that there is, with its colour and how many of the points stored have it.
+    Classes { classes: Vec<LegendClass> },
+}
+
+impl LegendEntry {
+    pub(super) fn new(legend: Legend, map: ColorMap) -> LegendEntry {
+        let key = match legend.key {
+            LegendKey::Scale { scale, .. } => {
+                KeyEntry::Scale { low: scale.low, high: scale.high, transfer: scale.transfer, map }
+            }
+            LegendKey::Classes(classes) => KeyEntry::Classes { classes },
+        };
+        LegendEntry { title: legend.title, key }
+    }
 }
 
 /// One input file.
@@ -260,6 +295,8 @@ impl Report {
             point_size_px: settings.look.point_size.pixels(),
             point_size_world: None,
             edl_strength: settings.look.shading.edl_strength,
+            look: settings.look.clone(),
+            legend: None,
             filter: settings.look.filter.clone(),
             clip: settings.look.clip.bounds.map(|bounds| bounds.to_string()),
             slab: settings.look.clip.slab.map(|slab| slab.to_string()),

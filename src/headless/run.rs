@@ -10,7 +10,7 @@ use super::{
     default_camera_of,
     outputs::{OutputError, picture_sha256, write_npy_f32, write_npy_i64, write_png},
     progress::{Progress, grouped},
-    report::{Report, Seconds, Tally, file_entries, peak_memory_bytes},
+    report::{LegendEntry, Report, Seconds, Tally, file_entries, peak_memory_bytes},
     settings::{BackendChoice, Settings, Stop, fields_of},
 };
 use crate::{
@@ -334,6 +334,8 @@ impl<'a> Run<'a> {
         report.converged = converged;
         report.grid = self.facts.as_ref().map(|facts| facts.grid);
         report.bounds = self.facts.as_ref().map(|facts| facts.bounds);
+        let map = self.settings.look.coloring.map_in_use();
+        report.legend = self.progressive.legend().map(|legend| LegendEntry::new(legend, map));
         report.seconds = self.seconds;
         report.peak_memory_bytes = peak_memory_bytes();
         if let Some(source) = &self.source {

@@ -1,5 +1,7 @@
 //! What the colours of a picture mean.
 
+use serde::Serialize;
+
 use super::{
     coloring::{ColorBy, Coloring},
     scale::Scale,
@@ -32,7 +34,7 @@ pub struct Tick {
 }
 
 /// One of the values that are told apart.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LegendClass {
     pub value: u16,
     pub name: String,

@@ -4,6 +4,8 @@
 //! of 256 colours; which one a point has is found by eight comparisons. Whatever lies between value and colour (a
 //! range, a root, a logarithm) is worked out for these 256 keys, on the host.
 
+use serde::Serialize;
+
 use crate::scene::Grid;
 
 /// The last of the 256 thresholds that `key` reaches. The first is reached by every key. Twin of `level_of` in
@@ -35,7 +37,8 @@ pub fn value_of(key: u64) -> Option<f64> {
 }
 
 /// How values are spread over the colours.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Transfer {
     #[default]
     Linear,

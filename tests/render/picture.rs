@@ -28,6 +28,109 @@ fn the_outputs_agree() {
     }
 }
 
+/// Pixels of `outputs` that are not as in `other`, as columns and rows.
+fn differing(outputs: &Outputs, other: &Outputs) -> Vec<[usize; 2]> {
+    let width = outputs.shape[1];
+    let (one, two) = (outputs.rgb(), other.rgb());
+    (0..one.len()).filter(|&p| one[p] != two[p]).map(|p| [p % width, p / width]).collect()
+}
+
+#[test]
+fn a_legend_is_drawn_in_its_corner_and_nowhere_else() {
+    let bench = Bench::new();
+    bench.scan("town.laz", Scene::Town, 30_000);
+    let args =
+        "town.laz --backend cpu --size 640x480 --background #204060 --color-by classification --class-color 6=#ff0102";
+    let plain = bench.render(args);
+    let drawn = bench.render(&format!("{args} --decorate legend"));
+    assert!(plain.ids == drawn.ids && plain.depth == drawn.depth);
+    let changed = differing(&drawn, &plain);
+    let range = |axis: usize| {
+        let of = |pixel: &[usize; 2]| pixel[axis];
+        (changed.iter().map(of).min().unwrap(), changed.iter().map(of).max().unwrap())
+    };
+    let ((left, right), (top, bottom)) = (range(0), range(1));
+    assert!(left > 320 && right < 640 && top < 30, "{left}..{right}, {top}..{bottom}");
+    // The plate covers every pixel between: what changed is one rectangle, but for points that are as dark as it.
+    let area = (right + 1 - left) * (bottom + 1 - top);
+    assert!(changed.len() * 50 > area * 49, "{} of {area}", changed.len());
+    let legend = &drawn.report["legend"];
+    assert_eq!(legend["title"], "classification");
+    let classes = legend["classes"].as_array().unwrap();
+    assert!(classes.len() > 3, "{legend}");
+    let sum: u64 = classes.iter().map(|class| class["points"].as_u64().unwrap()).sum();
+    assert_eq!(sum, 30_000);
+    let (before, after) = (plain.rgb(), drawn.rgb());
+    for class in classes {
+        let color: [u8; 3] = serde_json::from_value(class["color"].clone()).unwrap();
+        let shows = |p: usize| after[p] == color && before[p] == [0x20, 0x40, 0x60];
+        let squares = changed.iter().filter(|[x, y]| shows(y * 640 + x)).count();
+        assert!(squares > 20, "{class}: {squares} pixels where there was background");
+    }
+    assert!(classes.iter().any(|class| class["value"] == 6 && class["color"] == serde_json::json!([255, 1, 2])));
+}
+
+#[test]
+fn the_report_says_what_was_shown_and_how() {
+    let bench = Bench::new();
+    bench.scan("town.laz", Scene::Town, 5_000);
+    let report =
+        bench.render("town.laz --backend cpu --size 64x48 --color-by elevation --orthographic --fill-holes").report;
+    let look = &report["look"];
+    assert_eq!((&look["coloring"]["by"], &look["projection"]), (&"elevation".into(), &"orthographic".into()));
+    assert_eq!((&look["shading"]["fill_holes"], &look["shading"]["background"][2]), (&true.into(), &0x22.into()));
+    let legend = &report["legend"];
+    assert_eq!((&legend["map"], &legend["transfer"]), (&"viridis".into(), &"linear".into()));
+    let [low, high] = ["low", "high"].map(|end| legend[end].as_f64().unwrap());
+    let [floor, top] = ["min", "max"].map(|end| report["bounds"][end][2].as_f64().unwrap());
+    assert!(floor <= low && low < high && high <= top, "{low}..{high} of {floor}..{top}");
+    let given = "town.laz --backend cpu --size 64x48 --color-by elevation --color-range 1,2 --color-map turbo";
+    let given = bench.render(given).report["legend"].clone();
+    assert_eq!((&given["low"], &given["high"], &given["map"]), (&1.0.into(), &2.0.into(), &"turbo".into()));
+    assert!(bench.render("town.laz --backend cpu --size 64x48").report["legend"].is_null());
+}
+
+#[test]
+fn what_is_clipped_fills_the_picture() {
+    let bench = Bench::new();
+    bench.scan("town.laz", Scene::Town, 200_000);
+    let [min, max] = {
+        let bounds = bench.render("town.laz --backend cpu --size 64x48").report["bounds"].clone();
+        ["min", "max"].map(|end| [0, 1, 2].map(|a| bounds[end][a].as_f64().unwrap()))
+    };
+    let middle = [0, 1, 2].map(|a| (0.5 * (min[a] + max[a])).round());
+    let [x, y, z] = middle;
+    let (low, high) = (min[2], max[2]);
+    for clip in [
+        format!("--clip {},{},{low},{},{},{high}", x - 20.0, y - 20.0, x + 20.0, y + 20.0),
+        format!("--clip {},{},{low},{},{},{high},45 --orthographic", x - 20.0, y - 20.0, x + 20.0, y + 20.0),
+        format!("--slab {x},{y},{z},1,0,0,4"),
+    ] {
+        let outputs = bench.render(&format!("town.laz --backend cpu --size 320x240 {clip} --point-size 2"));
+        let shown: Vec<usize> = (0..outputs.ids.len()).filter(|&p| outputs.ids[p] >= 0).collect();
+        let extent = |of: &dyn Fn(usize) -> usize| {
+            let places = shown.iter().map(|&p| of(p));
+            places.clone().max().unwrap() - places.min().unwrap()
+        };
+        let (width, height) = (extent(&|p| p % 320), extent(&|p| p / 320));
+        assert!(width > 192 || height > 144, "{clip}: {width} x {height} of 320 x 240 pixels");
+    }
+}
+
+#[test]
+fn a_metre_is_more_than_three_feet() {
+    let Some(data) = data() else { return };
+    let scan = data.join("scans/pdal-autzen_trim.laz");
+    let bench = Bench::new();
+    let world = |size: &str, more: &str| {
+        let args = format!("{} --backend cpu --size 64x48 --point-size {size} {more}", scan.display());
+        bench.render(&args).report["point_size_world"].as_f64()
+    };
+    let metre = world("1m", "").unwrap();
+    assert!((metre * 0.3048 - 1.0).abs() < 1e-5, "{metre}");
+    assert_eq!((world("2u", ""), world("3", "")), (Some(2.0), None));
+}
+
 /// Ids of the progressive and of the brute-force picture are the same, array for array.
 fn assert_exact(bench: &Bench, inputs: &str, way: &str, more: &str) -> Outputs {
     let progressive = bench.render(&format!("{inputs} {way} {more}"));
