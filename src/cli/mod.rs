@@ -265,6 +265,9 @@ mod tests {
                 decor: "box,north".parse().unwrap(),
                 ..Default::default()
             },
+            Look { point_size: "0.05m".parse().unwrap(), ..Default::default() },
+            Look { point_size: "0.2ft".parse().unwrap(), ..Default::default() },
+            Look { point_size: "1e-7u".parse().unwrap(), ..Default::default() },
             Look {
                 coloring: crate::render::Coloring {
                     by: "extra:a b".parse().unwrap(),
