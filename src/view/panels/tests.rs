@@ -509,6 +509,31 @@ fn any_size_of_window_will_do() {
             let left = ui.available_rect_before_wrap();
             assert!(left.width() >= ui.ctx().content_rect().width().min(PICTURE_WIDTH) - 17.0, "{left:?}");
         };
+/// One column where two have no room, keys above what they do where they have none beside it, all of it within the
+/// window.
+#[test]
+fn the_cheat_sheet_fits_into_any_window() {
+    let sheet = |ui: &mut Ui, settings: &mut Settings| crate::view::help::show(ui.ctx(), settings);
+    for size in [vec2(1280.0, 800.0), vec2(1090.0, 700.0), vec2(640.0, 400.0), vec2(330.0, 260.0), vec2(200.0, 150.0)] {
+        let mut settings = Settings::new(&Options::default(), &Remembered::default());
+        settings.help = true;
+        let mut harness = Harness::builder().with_size(size).build_ui_state(sheet, settings);
+        harness.run();
+        let window = eframe::egui::Rect::from_min_size(eframe::egui::Pos2::ZERO, size);
+        let close = harness.get_by_label("Close").rect();
+        assert!(window.contains_rect(close), "{close:?} in {size}");
+        for row in crate::view::keys::ROWS {
+            for label in harness.query_all_by_label(row.what).chain(harness.query_all_by_label(row.keys)) {
+                let rect = label.rect();
+                assert!(rect.left() >= 0.0 && rect.right() <= size.x, "{} at {rect:?} in {size}", row.keys);
+            }
+        }
+        harness.get_by_label("Close").click();
+        harness.run();
+        assert!(!harness.state().help, "{size}");
+    }
+}
+
         let mut harness = Harness::builder().with_size(size).build_ui_state(show, world);
         harness.run();
         let has_panel = harness.query_by_label("Hide").is_some();
