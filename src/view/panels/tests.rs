@@ -265,6 +265,25 @@ fn looks_are_set() {
 }
 
 fn classes() -> Vec<Value> {
+#[test]
+fn looks_beyond_the_sliders_stay_as_the_command_line_gave_them() {
+    let mut world = World::new(&[Section::Look]);
+    world.settings.look.shading.edl_strength = 6.0;
+    world.settings.look.point_size = crate::render::PointSize::World(20.0);
+    let look = world.settings.look.clone();
+    let harness = world.show();
+    assert_eq!(harness.state().settings.look, look);
+}
+
+#[test]
+fn a_path_stays_in_its_field_until_it_is_open() {
+    let mut typed = Typed { path: " /scans/tower.las".into(), ..Default::default() };
+    typed.note_opened(&["/scans/other.las".into()]);
+    assert_eq!(typed.path, " /scans/tower.las");
+    typed.note_opened(&["/scans/other.las".into(), "/scans/tower.las".into()]);
+    assert_eq!(typed.path, "");
+}
+
     let value = |number, name: &str, points| Value { number, name: name.into(), color: [number as u8; 3], points };
     vec![value(2, "2 ground", 1_500_000), value(6, "6 building", 400_000), value(9, "9 water", 42)]
 }
