@@ -106,6 +106,7 @@ impl App {
         let taken = self.scene.take_incoming(ctx, &mut self.messages, self.size);
         let Taken::Scene { inputs, keeps_view } = taken else { return };
         self.remembered.note_opened(&inputs);
+        self.typed.note_opened(&inputs);
         self.performance.forget_threads();
         // What was kept of the scene before means nothing in this one; of the same files and others, moves still do.
         self.touch = if keeps_view { self.touch.in_same_place() } else { Touch::default() };
