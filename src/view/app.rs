@@ -196,7 +196,7 @@ impl App {
         match result {
             Ok(path) => {
                 log::debug!("picture written to {}", path.display());
-                self.messages.add(Severity::Note, format!("The picture is in {}", path.display()));
+                self.messages.add(Severity::Done, format!("The picture is in {}", path.display()));
             }
             Err(error) => self.messages.add(Severity::Error, scene_state::sentence(&error)),
         }
