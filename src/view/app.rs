@@ -102,14 +102,17 @@ impl App {
     }
 
     fn take_incoming(&mut self, ctx: &Context) {
-        let is_first = self.scene.loading.is_none();
+        let (is_first, before) = (self.scene.loading.is_none(), self.scene.facts().cloned());
         let taken = self.scene.take_incoming(ctx, &mut self.messages, self.size);
         let Taken::Scene { inputs, keeps_view } = taken else { return };
         self.remembered.note_opened(&inputs);
         self.typed.note_opened(&inputs);
         self.performance.forget_threads();
         // What was kept of the scene before means nothing in this one; of the same files and others, moves still do.
-        self.touch = if keeps_view { self.touch.in_same_place() } else { Touch::default() };
+        let touch = std::mem::take(&mut self.touch);
+        if let (true, Some(before), Some(now)) = (keeps_view, before, self.scene.facts()) {
+            self.touch = touch.in_scene(&before, now);
+        }
         // What the command line gave is meant for the first one.
         if !keeps_view && !is_first {
             self.settings.forget_scene();
