@@ -29,7 +29,7 @@ use super::{
     scene_state::{self, SceneState, Taken},
     screenshot::{self, ShotOptions, Writing},
     settings::{Section, Settings},
-    touch::Touch,
+    touch::{Touch, covered_below},
 };
 use crate::{
     headless,
@@ -112,6 +112,10 @@ impl App {
         let touch = std::mem::take(&mut self.touch);
         if let (true, Some(before), Some(now)) = (keeps_view, before, self.scene.facts()) {
             self.touch = touch.in_scene(&before, now);
+        }
+        if let Some(navigation) = self.scene.navigation.as_mut().filter(|_| !keeps_view) {
+            navigation.cover(covered_below(ctx, &self.settings));
+            navigation.home();
         }
         // What the command line gave is meant for the first one.
         if !keeps_view && !is_first {

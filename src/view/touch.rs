@@ -6,7 +6,7 @@ use glam::DVec2;
 use super::{
     input::{self, Hand},
     keys::{self, Command},
-    overlay::BAR_HEIGHT,
+    overlay::{self, BAR_HEIGHT},
     probe::Probe,
     scene_state::SceneState,
     settings::Settings,
@@ -22,6 +22,11 @@ pub struct Touch {
     probe: Probe,
     /// What the probe was asked about last: the same picture at the same pixel has the same answer.
     probed: Option<(DVec2, Camera)>,
+}
+
+/// Pixels at the picture's lower edge that the bar lies over.
+pub fn covered_below(ctx: &Context, settings: &Settings) -> f64 {
+    if settings.bar && overlay::fits(ctx) { f64::from(BAR_HEIGHT * ctx.pixels_per_point()) } else { 0.0 }
 }
 
 impl Touch {
@@ -50,6 +55,7 @@ impl Touch {
         let mut moving = false;
         if let Some(navigation) = &mut scene.navigation {
             navigation.resize(size);
+            navigation.cover(covered_below(ctx, settings));
             self.hand.set_projection(ctx, navigation, settings.look.projection);
             moving = self.hand.steer(ctx, picture, navigation, has_keys);
         }
