@@ -60,7 +60,7 @@ fn column(ui: &mut Ui, sections: &[Section]) {
         ui.strong(section.title());
         let rows = keys::ROWS.iter().filter(|row| row.section == *section);
         if has_rows {
-            Grid::new(section.title()).num_columns(2).spacing(vec2(16.0, 3.0)).show(ui, |ui| {
+            Grid::new(section.title()).num_columns(2).spacing(vec2(12.0, 3.0)).show(ui, |ui| {
                 for row in rows {
                     ui.label(RichText::new(row.keys).monospace());
                     ui.label(row.what);
