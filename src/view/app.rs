@@ -6,7 +6,7 @@ use std::{
 };
 
 use eframe::{
-    egui::{self, Color32, Context, Event, FontId, Id, Key, Modifiers, Rect, Sense, TextStyle, Ui},
+    egui::{self, Color32, Context, Event, Id, Key, Modifiers, Rect, Sense, Ui},
     egui_wgpu::RenderState,
 };
 
@@ -20,8 +20,7 @@ use super::{
     loading::Loading,
     messages::{Messages, Severity},
     models::{self, Spread},
-    navigation::StandardView,
-    overlay::{self, Averages, Status},
+    overlay::{self, Averages, Shown, Status},
     pace::Pace,
     panels::{self, Typed, performance::Performance, share::Share},
     remembered::{Remembered, Store},
@@ -29,6 +28,7 @@ use super::{
     scene_state::{self, SceneState, Taken},
     screenshot::{self, ShotOptions, Writing},
     settings::{Section, Settings},
+    style,
     touch::{Touch, covered_below},
 };
 use crate::{
@@ -37,6 +37,8 @@ use crate::{
     scene::Attribute,
 };
 
+/// Frames that the device takes to tell how many points are shown: one to copy the number, one to read it.
+const COUNT_FRAMES: u32 = 2;
 /// How often the numbers are brought up to date while nothing else asks for a frame.
 const STATUS_INTERVAL: Duration = Duration::from_millis(250);
 
@@ -58,6 +60,8 @@ pub struct App {
     performance: Performance,
     writing: Option<Writing>,
     spread: Spread,
+    /// Until the number of points that are shown is known.
+    frames_to_count: u32,
     on_wayland: bool,
 }
 
@@ -73,9 +77,7 @@ impl App {
         let software = state.adapter.get_info().device_type == wgpu::DeviceType::Cpu;
         let settings = Settings::new(&options, &remembered);
         ctx.set_theme(settings.theme.preference());
-        // egui's usual 9 points are hard to read.
-        let small = FontId::proportional(11.0);
-        ctx.all_styles_mut(|style| drop(style.text_styles.insert(TextStyle::Small, small.clone())));
+        ctx.all_styles_mut(style::readable);
         let mut app = App {
             scene: SceneState::new(backend, &options, software),
             blit: Blit::new(&state.device, state.target_format),
@@ -93,6 +95,7 @@ impl App {
             performance: Performance::default(),
             writing: None,
             spread: Spread::default(),
+            frames_to_count: 0,
             on_wayland: super::is_on_wayland(),
         };
         if !options.inputs.is_empty() {
@@ -135,6 +138,7 @@ impl App {
         self.pace.note_drawn(advance.drawn);
         if advance.drawn {
             self.touch.note_drawn();
+            self.frames_to_count = if self.settings.look.shows_all() { 0 } else { COUNT_FRAMES };
         }
         if advance.drawn
             && let Some(times) = self.scene.progressive.last_pass_times()
@@ -271,7 +275,9 @@ impl App {
         requests
     }
 
-    fn status(&self) -> Option<Status> {
+    fn status(&mut self) -> Option<Status> {
+        let hides = !self.settings.look.shows_all();
+        let shown = hides.then(|| Shown { points: self.scene.progressive.points_shown() });
         let loading = self.scene.loading.as_ref()?;
         let scene = loading.scene()?;
         let progressive = &self.scene.progressive;
@@ -302,6 +308,8 @@ impl App {
             points_tried,
             secs_to_picture: (per_frame > 0).then(|| to_try as f64 / f64::from(per_frame) * self.pace.secs),
             averages: self.averages(),
+            shown,
+            is_flying: self.touch.hand.is_flying,
             adapter: info.adapter.clone(),
             choice: info.choice.clone(),
         })
@@ -343,10 +351,10 @@ impl App {
     }
 
     /// What lies over the picture, which takes `rect` of the window.
-    fn show_overlay(&mut self, ui: &Ui, rect: Rect) -> Option<StandardView> {
-        let mut asked = None;
+    fn show_overlay(&mut self, ui: &Ui, rect: Rect) -> Vec<Command> {
+        let mut asked = Vec::new();
         if !overlay::fits(ui.ctx()) {
-            return None;
+            return asked;
         }
         if self.settings.bar
             && let Some(status) = self.status()
@@ -358,9 +366,6 @@ impl App {
             let waiting_for = waiting_for.map(|path| scene_state::name(path));
             let background = self.settings.look.shading.background;
             overlay::invitation(ui, rect, waiting_for.as_deref(), background, self.on_wayland);
-        }
-        if let (Some(navigation), Some(facts)) = (&self.scene.navigation, self.scene.facts()) {
-            decor::paint(ui, rect, &self.settings, navigation.camera(), facts, self.spread.legend.as_ref());
         }
         if self.settings.help {
             help::show(ui.ctx(), &mut self.settings);
@@ -394,6 +399,11 @@ impl App {
         if let Some((picture, size)) = self.scene.picture() {
             let callback = self.blit.paint(rect, picture, size, self.settings.look.shading.background);
             ui.painter().add(callback);
+        }
+        if let (true, Some(navigation), Some(facts)) =
+            (overlay::fits(ui.ctx()), &self.scene.navigation, self.scene.facts())
+        {
+            decor::paint(ui, rect, &self.settings, navigation.camera(), facts, self.spread.legend.as_ref());
         }
     }
 
@@ -494,7 +504,7 @@ impl eframe::App for App {
 
         // Last, so that the numbers are those of the picture; what it changes is for the next frame.
         let mut commands = self.touch.show(ui, &picture, &self.scene, &mut self.settings);
-        commands.extend(self.show_overlay(ui, rect).map(Command::Show));
+        commands.extend(self.show_overlay(ui, rect));
         for command in commands {
             self.touch.obey(&ctx, command, &mut self.scene, &mut self.settings);
             again = true;
@@ -508,6 +518,10 @@ impl eframe::App for App {
             ctx.request_repaint();
         } else {
             self.remember(&ctx);
+            if self.frames_to_count > 0 {
+                self.frames_to_count -= 1;
+                ctx.request_repaint_after(STATUS_INTERVAL);
+            }
             if self.scene.loading.as_ref().is_some_and(Loading::is_running) {
                 ctx.request_repaint_after(STATUS_INTERVAL);
             }

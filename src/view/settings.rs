@@ -107,9 +107,14 @@ impl Settings {
 
     /// What belongs to one scan must not hide another one.
     pub fn forget_scene(&mut self) {
+        self.show_all();
+        self.look.coloring.range = None;
+    }
+
+    /// No filter, no clipping.
+    pub fn show_all(&mut self) {
         self.look.filter = Filter::default();
         self.look.clip = Clip::default();
-        self.look.coloring.range = None;
     }
 
     /// What is drawn with.
