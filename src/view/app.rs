@@ -371,6 +371,8 @@ impl App {
             help::show(ui.ctx(), &mut self.settings);
         }
         if self.scene.shot.is_some() {
+            // The panel, which brings it up to date as well, may be hidden.
+            models::share(&mut self.share, &self.scene, &self.settings, self.size, self.writing.is_some());
             overlay::taking_picture(ui.ctx(), rect, self.share.taking);
         }
         self.messages.show(ui.ctx(), rect);

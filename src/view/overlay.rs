@@ -319,3 +319,87 @@ pub fn drop_target(ctx: &egui::Context, add: bool) {
         Color32::WHITE,
     );
 }
+
+#[cfg(test)]
+mod tests {
+    use eframe::egui::Pos2;
+    use egui_kittest::{Harness, kittest::Queryable as _};
+
+    use super::*;
+    use crate::{
+        render::ClipBox,
+        view::{Options, remembered::Remembered},
+    };
+
+    struct World {
+        status: Status,
+        settings: Settings,
+        asked: Vec<Command>,
+    }
+
+    fn bar_of(width: f32, status: Status) -> Harness<'static, World> {
+        let mut settings = Settings::new(&Options::default(), &Remembered::default());
+        settings.look.clip.bounds = Some(ClipBox { min: [0.0; 3], max: [1.0; 3], degrees: 0.0 });
+        let contents = move |ui: &mut Ui, world: &mut World| {
+            let screen = Rect::from_min_size(Pos2::ZERO, vec2(width, 400.0));
+            world.asked.extend(bar(ui.ctx(), screen, &world.status, &mut world.settings));
+        };
+        let world = World { status, settings, asked: Vec::new() };
+        let mut harness = Harness::builder().with_size(vec2(width, 400.0)).build_ui_state(contents, world);
+        harness.run();
+        harness
+    }
+
+    fn status() -> Status {
+        Status {
+            files: "town.laz".into(),
+            kind: "LAZ 1.4, format 7".into(),
+            points_read: 215_000,
+            points_stored: 215_000,
+            points_total: 215_000,
+            points_tried: 215_000,
+            adapter: "llvmpipe (LLVM 15.0.6, 256 bits)".into(),
+            shown: Some(Shown { points: Some(58_000) }),
+            ..Default::default()
+        }
+    }
+
+    #[test]
+    fn narrow_bars_say_the_numbers_before_the_device() {
+        let numbers = |width: f32| {
+            let harness = bar_of(width, status());
+            let has_device = harness.query_by_label_contains("llvmpipe").is_some();
+            (harness.get_by_label_contains("tried since the last move").rect().width(), has_device)
+        };
+        let (whole, has_device) = numbers(1280.0);
+        assert!(has_device && whole > 300.0, "{whole}");
+        for width in [900.0, 640.0, 560.0] {
+            assert_eq!(numbers(width).0, whole, "a window {width} points wide");
+        }
+        let (cut, has_device) = numbers(330.0);
+        assert!(!has_device && cut > 280.0, "{cut}");
+    }
+
+    #[test]
+    fn hidden_points_are_told_and_shown_again_at_any_width() {
+        for width in [1280.0, 640.0, 330.0] {
+            let mut harness = bar_of(width, status());
+            let told = harness.get_by_label("58.0 k of 215 k shown").rect();
+            assert!(told.left() >= 0.0 && told.right() <= width, "{told:?}");
+            harness.get_by_label("Show all").click();
+            harness.run();
+            assert!(harness.state().settings.look.shows_all(), "{width}");
+        }
+        let all = bar_of(640.0, Status { shown: None, ..status() });
+        assert!(all.query_by_label("Show all").is_none());
+    }
+
+    #[test]
+    fn fly_mode_is_told_and_left() {
+        assert!(bar_of(640.0, status()).query_by_label_contains("Fly mode").is_none());
+        let mut harness = bar_of(330.0, Status { is_flying: true, ..status() });
+        harness.get_by_label_contains("Fly mode").click();
+        harness.run();
+        assert_eq!(harness.state().asked, [Command::FlyMode]);
+    }
+}

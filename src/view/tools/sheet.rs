@@ -52,7 +52,7 @@ impl Sheet<'_> {
         Some(ends)
     }
 
-    /// A line that takes no notice from what is under it.
+    /// A line that leaves what is under it to be seen.
     pub fn thin_line(&self, a: DVec3, b: DVec3, color: Color32) {
         if let Some(ends) = self.segment(a, b) {
             self.painter.line_segment(ends, Stroke::new(2.0, SHADE.gamma_multiply(0.6)));
