@@ -19,9 +19,9 @@ const ROWS: usize = 3;
 const HEIGHT: f32 = 64.0;
 /// Older ones are forgotten: a folder of broken files must not fill memory.
 const KEPT: usize = 200;
-/// Seconds that it is said for that something is done: time to read a path. In the last of them it fades.
+/// Seconds that it is said for that something is done: time to read a path. Then it goes at once, as a window at rest
+/// has no frames to fade in.
 const DONE_SECS: f64 = 6.0;
-const FADE_SECS: f64 = 1.0;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Severity {
@@ -125,10 +125,7 @@ impl Messages {
         let area = Area::new(Id::unique("messages")).order(Order::Foreground).fixed_pos(corner).constrain(false);
         area.show(ctx, |ui| {
             for entry in self.entries.iter_mut().filter(|entry| entry.shown).take(most) {
-                ui.scope(|ui| {
-                    ui.multiply_opacity(entry.opacity(now));
-                    entry.shown = !message(ui, entry.severity, &entry.text, width);
-                });
+                entry.shown = !message(ui, entry.severity, &entry.text, width);
             }
             let more = waiting.saturating_sub(most);
             if more > 0 && message(ui, Severity::Note, &format!("and {more} more; put all of them away"), width) {
@@ -142,21 +139,12 @@ impl Messages {
     /// What is done has been said for long enough, or will be: then the window wakes up.
     fn let_go(&mut self, ctx: &egui::Context, now: f64) {
         for entry in self.entries.iter_mut().filter(|entry| entry.shown && entry.severity == Severity::Done) {
-            let left = entry.shown_at.get_or_insert(now).to_owned() + DONE_SECS - now;
+            let left = *entry.shown_at.get_or_insert(now) + DONE_SECS - now;
             entry.shown = left > 0.0;
-            if left > FADE_SECS {
-                ctx.request_repaint_after(Duration::from_secs_f64(left - FADE_SECS));
-            } else if entry.shown {
-                ctx.request_repaint();
+            if entry.shown {
+                ctx.request_repaint_after(Duration::from_secs_f64(left));
             }
         }
-    }
-}
-
-impl Entry {
-    fn opacity(&self, now: f64) -> f32 {
-        let left = self.shown_at.map_or(DONE_SECS, |shown_at| shown_at + DONE_SECS - now);
-        if self.severity == Severity::Done { (left / FADE_SECS).clamp(0.0, 1.0) as f32 } else { 1.0 }
     }
 }
 
