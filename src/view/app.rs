@@ -6,7 +6,7 @@ use std::{
 };
 
 use eframe::{
-    egui::{self, Color32, Context, Event, FontId, Id, Key, Modifiers, Rect, Sense, TextStyle, Ui},
+    egui::{self, Color32, Context, Event, Id, Key, Modifiers, Rect, Sense, Ui},
     egui_wgpu::RenderState,
 };
 
@@ -20,8 +20,7 @@ use super::{
     loading::Loading,
     messages::{Messages, Severity},
     models::{self, Spread},
-    navigation::StandardView,
-    overlay::{self, Averages, Status},
+    overlay::{self, Averages, Shown, Status},
     pace::Pace,
     panels::{self, Typed, performance::Performance, share::Share},
     remembered::{Remembered, Store},
@@ -29,7 +28,8 @@ use super::{
     scene_state::{self, SceneState, Shot, Taken},
     screenshot::{self, ShotOptions, Writing},
     settings::{Section, Settings},
-    touch::Touch,
+    style,
+    touch::{Touch, covered_below},
 };
 use crate::{
     headless,
@@ -37,6 +37,8 @@ use crate::{
     scene::{FileFacts, SceneFacts},
 };
 
+/// Frames that the device takes to tell how many points are shown: one to copy the number, one to read it.
+const COUNT_FRAMES: u32 = 2;
 /// How often the numbers are brought up to date while nothing else asks for a frame.
 const STATUS_INTERVAL: Duration = Duration::from_millis(250);
 
@@ -60,6 +62,8 @@ pub struct App {
     spread: Spread,
     /// The file that the bookmarks in hand are kept with.
     bookmarked: Option<PathBuf>,
+    /// Until the number of points that are shown is known.
+    frames_to_count: u32,
     on_wayland: bool,
 }
 
@@ -75,9 +79,7 @@ impl App {
         let software = state.adapter.get_info().device_type == wgpu::DeviceType::Cpu;
         let settings = Settings::new(&options, &remembered);
         ctx.set_theme(settings.theme.preference());
-        // egui's usual 9 points are hard to read.
-        let small = FontId::proportional(11.0);
-        ctx.all_styles_mut(|style| drop(style.text_styles.insert(TextStyle::Small, small.clone())));
+        ctx.all_styles_mut(style::readable);
         let mut app = App {
             scene: SceneState::new(backend, &options, software),
             blit: Blit::new(&state.device, state.target_format),
@@ -96,6 +98,7 @@ impl App {
             writing: None,
             spread: Spread::default(),
             bookmarked: None,
+            frames_to_count: 0,
             on_wayland: super::is_on_wayland(),
         };
         if !options.inputs.is_empty() {
@@ -110,9 +113,17 @@ impl App {
         let Taken::Scene { inputs, keeps_view } = taken else { return };
         self.note_all();
         self.remembered.note_opened(&inputs);
+        self.typed.note_opened(&inputs);
         self.performance.forget_threads();
         // What was kept of the scene before means nothing in this one; of the same files and others, moves still do.
-        self.touch = if keeps_view { self.touch.in_same_place() } else { Touch::default() };
+        let touch = std::mem::take(&mut self.touch);
+        if let (true, Some(before), Some(now)) = (keeps_view, &before, self.scene.facts()) {
+            self.touch = touch.in_scene(before, now);
+        }
+        if let Some(navigation) = self.scene.navigation.as_mut().filter(|_| !keeps_view) {
+            navigation.cover(covered_below(ctx, &self.settings));
+            navigation.home();
+        }
         // What the command line gave is meant for the first one.
         if let Some(before) = before {
             if keeps_view {
@@ -165,6 +176,7 @@ impl App {
         self.pace.note_drawn(advance.drawn);
         if advance.drawn {
             self.touch.note_drawn();
+            self.frames_to_count = if self.settings.look.shows_all() { 0 } else { COUNT_FRAMES };
         }
         if advance.drawn
             && let Some(times) = self.scene.progressive.last_pass_times()
@@ -236,7 +248,7 @@ impl App {
         match result {
             Ok(path) => {
                 log::debug!("picture written to {}", path.display());
-                self.messages.add(Severity::Note, format!("The picture is in {}", path.display()));
+                self.messages.add(Severity::Done, format!("The picture is in {}", path.display()));
             }
             Err(error) => self.messages.add(Severity::Error, scene_state::sentence(&error)),
         }
@@ -305,7 +317,9 @@ impl App {
         requests
     }
 
-    fn status(&self) -> Option<Status> {
+    fn status(&mut self) -> Option<Status> {
+        let hides = !self.settings.look.shows_all();
+        let shown = hides.then(|| Shown { points: self.scene.progressive.points_shown() });
         let loading = self.scene.loading.as_ref()?;
         let scene = loading.scene()?;
         let progressive = &self.scene.progressive;
@@ -336,6 +350,8 @@ impl App {
             points_tried,
             secs_to_picture: (per_frame > 0).then(|| to_try as f64 / f64::from(per_frame) * self.pace.secs),
             averages: self.averages(),
+            shown,
+            is_flying: self.touch.hand.is_flying,
             adapter: info.adapter.clone(),
             choice: info.choice.clone(),
         })
@@ -377,10 +393,10 @@ impl App {
     }
 
     /// What lies over the picture, which takes `rect` of the window.
-    fn show_overlay(&mut self, ui: &Ui, rect: Rect) -> Option<StandardView> {
-        let mut asked = None;
+    fn show_overlay(&mut self, ui: &Ui, rect: Rect) -> Vec<Command> {
+        let mut asked = Vec::new();
         if !overlay::fits(ui.ctx()) {
-            return None;
+            return asked;
         }
         if self.settings.bar
             && let Some(status) = self.status()
@@ -392,9 +408,6 @@ impl App {
             let waiting_for = waiting_for.map(|path| scene_state::name(path));
             let background = self.settings.look.shading.background;
             overlay::invitation(ui, rect, waiting_for.as_deref(), background, self.on_wayland);
-        }
-        if let (Some(navigation), Some(facts)) = (&self.scene.navigation, self.scene.facts()) {
-            decor::paint(ui, rect, &self.settings, navigation.camera(), facts, self.spread.legend.as_ref());
         }
         if self.settings.help {
             help::show(ui.ctx(), &mut self.settings);
@@ -428,6 +441,11 @@ impl App {
         if let Some((picture, size)) = self.scene.picture() {
             let callback = self.blit.paint(rect, picture, size, self.settings.look.shading.background);
             ui.painter().add(callback);
+        }
+        if let (true, Some(navigation), Some(facts)) =
+            (overlay::fits(ui.ctx()), &self.scene.navigation, self.scene.facts())
+        {
+            decor::paint(ui, rect, &self.settings, navigation.camera(), facts, self.spread.legend.as_ref());
         }
     }
 
@@ -531,7 +549,7 @@ impl eframe::App for App {
 
         // Last, so that the numbers are those of the picture; what it changes is for the next frame.
         let mut commands = self.touch.show(ui, &picture, &self.scene, &mut self.settings);
-        commands.extend(self.show_overlay(ui, rect).map(Command::Show));
+        commands.extend(self.show_overlay(ui, rect));
         for command in commands {
             self.touch.obey(&ctx, command, &mut self.scene, &mut self.settings);
             again = true;
@@ -545,6 +563,10 @@ impl eframe::App for App {
             ctx.request_repaint();
         } else {
             self.remember(&ctx);
+            if self.frames_to_count > 0 {
+                self.frames_to_count -= 1;
+                ctx.request_repaint_after(STATUS_INTERVAL);
+            }
             if self.scene.loading.as_ref().is_some_and(Loading::is_running) {
                 ctx.request_repaint_after(STATUS_INTERVAL);
             }

@@ -1,7 +1,7 @@
-//! What went wrong, in plain words. It appears over the picture until the user puts it away, and stays in a list until
-//! that is cleared.
+//! What went wrong and what was done, in plain words. It appears over the picture, what went wrong until the user puts
+//! it away, and stays in a list until that is cleared.
 
-use std::collections::VecDeque;
+use std::{collections::VecDeque, time::Duration};
 
 use eframe::egui::{
     self, Area, Color32, FontId, Frame, Id, Margin, Order, Rect, Role, TextFormat, WidgetInfo,
@@ -19,19 +19,28 @@ const ROWS: usize = 3;
 const HEIGHT: f32 = 64.0;
 /// Older ones are forgotten: a folder of broken files must not fill memory.
 const KEPT: usize = 200;
+/// Seconds that it is said for that something is done: time to read a path. Then it goes at once, as a window at rest
+/// has no frames to fade in.
+const DONE_SECS: f64 = 6.0;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Severity {
+    /// What was asked for is done; it goes by itself.
+    Done,
     Note,
     Error,
 }
 
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 struct Entry {
     severity: Severity,
     text: String,
     /// Over the picture as well.
     shown: bool,
+    /// When that was first, in the window's seconds.
+    shown_at: Option<f64>,
+    /// Of a scene that is gone.
+    is_past: bool,
 }
 
 #[derive(Debug, Default)]
@@ -42,6 +51,13 @@ pub struct Messages {
 impl Messages {
     pub fn clear(&mut self) {
         self.entries.clear();
+    }
+
+    /// Another scene is on screen: what was said of the last one stays in the list alone.
+    pub fn begin_scene(&mut self) {
+        for entry in &mut self.entries {
+            (entry.shown, entry.is_past) = (false, true);
+        }
     }
 
     pub fn len(&self) -> usize {
@@ -58,19 +74,25 @@ impl Messages {
         self.iter().map(|(severity, text)| format!("{}: {text}\n", severity.name())).collect()
     }
 
-    /// Errors go before notes. What is in the list already is not repeated.
+    /// Errors go before notes. What is in the list already is not repeated, unless it was done again or said of another
+    /// scene.
     pub fn add(&mut self, severity: Severity, text: impl Into<String>) {
-        let entry = Entry { severity, text: text.into(), shown: true };
+        let entry = Entry { severity, text: text.into(), shown: true, shown_at: None, is_past: false };
         match severity {
             Severity::Error => log::error!("{}", entry.text),
             Severity::Note => log::warn!("{}", entry.text),
+            Severity::Done => log::info!("{}", entry.text),
         }
-        if self.entries.iter().any(|known| (known.severity, &known.text) == (severity, &entry.text)) {
-            return;
+        let known = self.entries.iter().position(|known| (known.severity, &known.text) == (severity, &entry.text));
+        if let Some(known) = known {
+            if severity != Severity::Done && !self.entries[known].is_past {
+                return;
+            }
+            self.entries.remove(known);
         }
         match severity {
             Severity::Error => self.entries.push_front(entry),
-            Severity::Note => self.entries.push_back(entry),
+            Severity::Note | Severity::Done => self.entries.push_back(entry),
         }
         self.entries.truncate(KEPT);
     }
@@ -90,6 +112,8 @@ impl Messages {
 
     /// In the upper left corner of the picture, each with a button that puts it away.
     pub fn show(&mut self, ctx: &egui::Context, screen: Rect) {
+        let now = ctx.input(|i| i.time);
+        self.let_go(ctx, now);
         let waiting = self.entries.iter().filter(|entry| entry.shown).count();
         if waiting == 0 {
             return;
@@ -111,11 +135,23 @@ impl Messages {
             }
         });
     }
+
+    /// What is done has been said for long enough, or will be: then the window wakes up.
+    fn let_go(&mut self, ctx: &egui::Context, now: f64) {
+        for entry in self.entries.iter_mut().filter(|entry| entry.shown && entry.severity == Severity::Done) {
+            let left = *entry.shown_at.get_or_insert(now) + DONE_SECS - now;
+            entry.shown = left > 0.0;
+            if entry.shown {
+                ctx.request_repaint_after(Duration::from_secs_f64(left));
+            }
+        }
+    }
 }
 
 impl Severity {
     fn name(self) -> &'static str {
         match self {
+            Severity::Done => "done",
             Severity::Note => "note",
             Severity::Error => "error",
         }
@@ -127,6 +163,7 @@ fn message(ui: &mut egui::Ui, severity: Severity, text: &str, width: f32) -> boo
     let (fill, mark) = match severity {
         Severity::Error => (Color32::from_rgb(92, 26, 26), Color32::from_rgb(255, 138, 128)),
         Severity::Note => (Color32::from_rgb(58, 48, 18), Color32::from_rgb(255, 213, 105)),
+        Severity::Done => (Color32::from_rgb(38, 42, 48), Color32::from_rgb(160, 170, 182)),
     };
     let frame = Frame::new().fill(fill).stroke((1.0, mark)).corner_radius(4).inner_margin(Margin::symmetric(8, 5));
     let contents = |ui: &mut egui::Ui| {
@@ -168,5 +205,40 @@ mod tests {
             messages.add(Severity::Error, i.to_string());
         }
         assert_eq!(messages.len(), KEPT);
+    }
+
+    /// Texts over the picture, `secs` into the window's life.
+    fn shown(messages: &mut Messages, secs: f64) -> Vec<String> {
+        let ctx = egui::Context::default();
+        let screen = Rect::from_min_size(egui::Pos2::ZERO, vec2(900.0, 700.0));
+        let input = egui::RawInput { time: Some(secs), ..Default::default() };
+        let mut output = ctx.run_ui(input, |ui| messages.show(ui.ctx(), screen));
+        output.textures_delta.clear();
+        messages.entries.iter().filter(|entry| entry.shown).map(|entry| entry.text.clone()).collect()
+    }
+
+    #[test]
+    fn what_is_done_goes_by_itself_and_comes_when_it_is_done_again() {
+        let mut messages = Messages::default();
+        messages.add(Severity::Note, "odd");
+        messages.add(Severity::Done, "written");
+        assert_eq!(shown(&mut messages, 10.0), ["odd", "written"]);
+        assert_eq!(shown(&mut messages, 15.5), ["odd", "written"]);
+        assert_eq!(shown(&mut messages, 16.1), ["odd"], "an oddity waits");
+        messages.add(Severity::Done, "written");
+        assert_eq!(shown(&mut messages, 20.0), ["odd", "written"]);
+        assert_eq!(messages.to_text(), "note: odd\ndone: written\n");
+    }
+
+    #[test]
+    fn another_scene_leaves_the_list_and_may_say_the_same() {
+        let mut messages = Messages::default();
+        messages.add(Severity::Error, "broken");
+        messages.add(Severity::Note, "odd");
+        messages.begin_scene();
+        assert_eq!((shown(&mut messages, 1.0).len(), messages.len()), (0, 2));
+        messages.add(Severity::Note, "odd");
+        assert_eq!(shown(&mut messages, 2.0), ["odd"]);
+        assert_eq!(messages.len(), 2);
     }
 }

@@ -26,6 +26,7 @@ mod rereading;
 mod scene_state;
 mod screenshot;
 mod settings;
+mod style;
 mod tools;
 mod touch;
 

@@ -7,22 +7,22 @@ use eframe::egui::{
 
 use super::{
     format::{count, duration, percent},
+    keys::Command,
     navigation::StandardView,
     settings::Settings,
 };
-use crate::render::{Choice, Clock, PointSize};
+use crate::render::{Choice, Clock, MAX_PX, PointSize};
 
-/// Sizes of points that the controls offer.
-pub const POINT_SIZES: std::ops::RangeInclusive<u32> = 1..=8;
-
-/// Share of the picture that the lines at the edge let through, of 255.
-const PANEL_ALPHA: u8 = 218;
+/// How much of the picture the lines at the edge hide, of 255: texts and ticks keep their contrast on a white picture.
+pub const PANEL_ALPHA: u8 = 235;
 const ACCENT: Color32 = Color32::from_rgb(106, 182, 255);
 const LINE_HEIGHT: f32 = 20.0;
 /// Two lines, the space between them and around them.
 pub const BAR_HEIGHT: f32 = 2.0 * LINE_HEIGHT + 3.0 + 10.0;
-/// Narrower windows show the lines without the controls, and the numbers before the device.
+/// Narrower windows show the lines without the controls.
 const CONTROLS_FROM_WIDTH: f32 = 900.0;
+/// With less room left beside the numbers nothing is said of the device.
+const DEVICE_FROM_WIDTH: f32 = 100.0;
 
 /// What the lines say.
 #[derive(Debug, Clone, Default)]
@@ -51,9 +51,20 @@ pub struct Status {
     /// Until all that is stored has been tried.
     pub secs_to_picture: Option<f64>,
     pub averages: Averages,
+    /// Where a filter or a clipping box or slab hides points.
+    pub shown: Option<Shown>,
+    /// The mouse looks around instead of turning the scene.
+    pub is_flying: bool,
     pub adapter: String,
     /// Which method draws, and the figures behind it.
     pub choice: Option<Choice>,
+}
+
+/// What is left by a filter and by clipping.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Shown {
+    /// As soon as the device has told.
+    pub points: Option<u64>,
 }
 
 /// How high-quality shading stands.
@@ -74,8 +85,8 @@ pub fn fits(ctx: &egui::Context) -> bool {
 }
 
 /// Two lines at the lower edge of the picture, which takes `screen` of the window.
-pub fn bar(ctx: &egui::Context, screen: Rect, status: &Status, settings: &mut Settings) -> Option<StandardView> {
-    let mut asked = None;
+pub fn bar(ctx: &egui::Context, screen: Rect, status: &Status, settings: &mut Settings) -> Vec<Command> {
+    let mut asked = Vec::new();
     let corner = screen.left_bottom() - vec2(0.0, BAR_HEIGHT);
     Area::new(Id::unique("status")).order(Order::Foreground).fixed_pos(corner).constrain(false).show(ctx, |ui| {
         Frame::new().fill(panel_fill(ui)).inner_margin(Margin::symmetric(10, 5)).show(ui, |ui| {
@@ -84,13 +95,21 @@ pub fn bar(ctx: &egui::Context, screen: Rect, status: &Status, settings: &mut Se
             ui.spacing_mut().item_spacing = vec2(8.0, 3.0);
             line(ui, |ui| {
                 if screen.width() >= CONTROLS_FROM_WIDTH {
-                    asked = controls(ui, settings);
+                    controls(ui, settings, &mut asked);
                 }
+                hidden(ui, status, settings);
                 ui.with_layout(Layout::left_to_right(Align::Center), |ui| loading_line(ui, status));
             });
             line(ui, |ui| {
-                device(ui, status);
-                ui.with_layout(Layout::left_to_right(Align::Center), |ui| frame_line(ui, status));
+                if status.is_flying {
+                    flying(ui, &mut asked);
+                }
+                ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                    frame_line(ui, status);
+                    if ui.available_width() >= DEVICE_FROM_WIDTH {
+                        ui.with_layout(Layout::right_to_left(Align::Center), |ui| device(ui, status));
+                    }
+                });
             });
         });
         progress(ui, screen, status);
@@ -101,6 +120,26 @@ pub fn bar(ctx: &egui::Context, screen: Rect, status: &Status, settings: &mut Se
 /// One line, filled from the right; what comes last gets what is left of it.
 fn line(ui: &mut Ui, contents: impl FnOnce(&mut Ui)) {
     ui.allocate_ui_with_layout(vec2(ui.available_width(), LINE_HEIGHT), Layout::right_to_left(Align::Center), contents);
+}
+
+/// That there is more than can be seen, and a button that shows it.
+fn hidden(ui: &mut Ui, s: &Status, settings: &mut Settings) {
+    let Some(shown) = s.shown else { return };
+    if ui.add(Button::new(small("Show all")).small()).on_hover_text("No filter, no clipping").clicked() {
+        settings.show_all();
+    }
+    let points = shown.points.map_or("…".to_owned(), count);
+    let text = small(&format!("{points} of {} shown", count(s.points_stored)));
+    let hides_any = shown.points.is_some_and(|points| points < s.points_stored);
+    ui.label(if hides_any { text.color(ui.visuals().warn_fg_color) } else { text });
+}
+
+/// That the mouse flies, and how it turns the scene again.
+fn flying(ui: &mut Ui, asked: &mut Vec<Command>) {
+    let button = Button::new(small("Fly mode: F ends it")).small().selected(true);
+    if ui.add(button).on_hover_text("Left drag looks around; W A S D Q E fly").clicked() {
+        asked.push(Command::FlyMode);
+    }
 }
 
 fn small(text: &str) -> RichText {
@@ -208,8 +247,7 @@ fn progress(ui: &Ui, screen: Rect, s: &Status) {
 }
 
 /// From the right.
-fn controls(ui: &mut Ui, settings: &mut Settings) -> Option<StandardView> {
-    let mut asked = None;
+fn controls(ui: &mut Ui, settings: &mut Settings, asked: &mut Vec<Command>) {
     let button = |ui: &mut Ui, text: &str, hint: &str| ui.add(Button::new(small(text)).small()).on_hover_text(hint);
     if button(ui, "?", "Keys and mouse (F1)").clicked() {
         settings.help = !settings.help;
@@ -224,7 +262,7 @@ fn controls(ui: &mut Ui, settings: &mut Settings) -> Option<StandardView> {
         (StandardView::Home, "Fit", "Show all (Home or H)"),
     ] {
         if button(ui, text, hint).clicked() {
-            asked = Some(ask);
+            asked.push(Command::Show(ask));
         }
     }
     ui.checkbox(&mut settings.look.shading.high_quality, small("HQ"))
@@ -232,9 +270,8 @@ fn controls(ui: &mut Ui, settings: &mut Settings) -> Option<StandardView> {
     ui.checkbox(&mut settings.edl, small("shading")).on_hover_text("Eye-dome lighting (L)");
     ui.spacing_mut().slider_width = 64.0;
     if let PointSize::Pixels(pixels) = &mut settings.look.point_size {
-        ui.add(Slider::new(pixels, POINT_SIZES).suffix(" px")).on_hover_text("Size of points ([ and ])");
+        ui.add(Slider::new(pixels, 1..=MAX_PX).suffix(" px")).on_hover_text("Size of points ([ and ])");
     }
-    asked
 }
 
 /// In the middle of an empty window.
@@ -284,4 +321,88 @@ pub fn drop_target(ctx: &egui::Context, add: bool) {
         font,
         Color32::WHITE,
     );
+}
+
+#[cfg(test)]
+mod tests {
+    use eframe::egui::Pos2;
+    use egui_kittest::{Harness, kittest::Queryable as _};
+
+    use super::*;
+    use crate::{
+        render::ClipBox,
+        view::{Options, remembered::Remembered},
+    };
+
+    struct World {
+        status: Status,
+        settings: Settings,
+        asked: Vec<Command>,
+    }
+
+    fn bar_of(width: f32, status: Status) -> Harness<'static, World> {
+        let mut settings = Settings::new(&Options::default(), &Remembered::default());
+        settings.look.clip.bounds = Some(ClipBox { min: [0.0; 3], max: [1.0; 3], degrees: 0.0 });
+        let contents = move |ui: &mut Ui, world: &mut World| {
+            let screen = Rect::from_min_size(Pos2::ZERO, vec2(width, 400.0));
+            world.asked.extend(bar(ui.ctx(), screen, &world.status, &mut world.settings));
+        };
+        let world = World { status, settings, asked: Vec::new() };
+        let mut harness = Harness::builder().with_size(vec2(width, 400.0)).build_ui_state(contents, world);
+        harness.run();
+        harness
+    }
+
+    fn status() -> Status {
+        Status {
+            files: "town.laz".into(),
+            kind: "LAZ 1.4, format 7".into(),
+            points_read: 215_000,
+            points_stored: 215_000,
+            points_total: 215_000,
+            points_tried: 215_000,
+            adapter: "llvmpipe (LLVM 15.0.6, 256 bits)".into(),
+            shown: Some(Shown { points: Some(58_000) }),
+            ..Default::default()
+        }
+    }
+
+    #[test]
+    fn narrow_bars_say_the_numbers_before_the_device() {
+        let numbers = |width: f32| {
+            let harness = bar_of(width, status());
+            let has_device = harness.query_by_label_contains("llvmpipe").is_some();
+            (harness.get_by_label_contains("tried since the last move").rect().width(), has_device)
+        };
+        let (whole, has_device) = numbers(1280.0);
+        assert!(has_device && whole > 300.0, "{whole}");
+        for width in [900.0, 640.0, 560.0] {
+            assert_eq!(numbers(width).0, whole, "a window {width} points wide");
+        }
+        let (cut, has_device) = numbers(330.0);
+        assert!(!has_device && cut > 280.0, "{cut}");
+    }
+
+    #[test]
+    fn hidden_points_are_told_and_shown_again_at_any_width() {
+        for width in [1280.0, 640.0, 330.0] {
+            let mut harness = bar_of(width, status());
+            let told = harness.get_by_label("58.0 k of 215 k shown").rect();
+            assert!(told.left() >= 0.0 && told.right() <= width, "{told:?}");
+            harness.get_by_label("Show all").click();
+            harness.run();
+            assert!(harness.state().settings.look.shows_all(), "{width}");
+        }
+        let all = bar_of(640.0, Status { shown: None, ..status() });
+        assert!(all.query_by_label("Show all").is_none());
+    }
+
+    #[test]
+    fn fly_mode_is_told_and_left() {
+        assert!(bar_of(640.0, status()).query_by_label_contains("Fly mode").is_none());
+        let mut harness = bar_of(330.0, Status { is_flying: true, ..status() });
+        harness.get_by_label_contains("Fly mode").click();
+        harness.run();
+        assert_eq!(harness.state().asked, [Command::FlyMode]);
+    }
 }

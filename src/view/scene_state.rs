@@ -181,7 +181,7 @@ impl SceneState {
                 self.incoming = None;
             }
             First::Opened(scene) => {
-                messages.clear();
+                messages.begin_scene();
                 for warning in &scene.warnings {
                     messages.add(Severity::Note, warning.as_str());
                 }
@@ -422,8 +422,26 @@ fn title(scene: &SceneFacts, inputs: &[PathBuf]) -> String {
     }
 }
 
-/// With a capital letter, as a message stands alone.
+/// With a capital letter, as a message stands alone; a path at its beginning is another one with it.
 pub fn sentence(text: &str) -> String {
+    let first_word = text.split([' ', ':']).next().unwrap_or_default();
+    if first_word.contains(['/', '\\', '.']) {
+        return text.to_owned();
+    }
     let mut chars = text.chars();
     chars.next().map_or(String::new(), |first| first.to_uppercase().chain(chars).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::sentence;
+
+    #[test]
+    fn a_path_keeps_its_first_letter() {
+        assert_eq!(sentence("no memory for 3 values"), "No memory for 3 values");
+        for path in ["data/gone.laz: no such file", "gone.laz: no such file", r"scans\gone.laz: no such file"] {
+            assert_eq!(sentence(path), path);
+        }
+        assert_eq!(sentence(""), "");
+    }
 }

@@ -107,10 +107,15 @@ impl Settings {
 
     /// What belongs to one scan must not hide another one.
     pub fn forget_scene(&mut self) {
-        self.look.filter = Filter::default();
-        self.look.clip = Clip::default();
+        self.show_all();
         self.look.coloring.range = None;
         self.look.coloring.files.clear();
+    }
+
+    /// No filter, no clipping.
+    pub fn show_all(&mut self) {
+        self.look.filter = Filter::default();
+        self.look.clip = Clip::default();
     }
 
     /// The panel shows this section.

@@ -6,13 +6,13 @@ use glam::DVec2;
 use super::{
     input::{self, Hand},
     keys::{self, Command},
-    overlay::BAR_HEIGHT,
+    overlay::{self, BAR_HEIGHT},
     probe::Probe,
     scene_state::SceneState,
     settings::Settings,
     tools::{self, ANSWER_INTERVAL, Tools},
 };
-use crate::render::Camera;
+use crate::{render::Camera, scene::SceneFacts};
 
 /// All that the user does to one scene in its picture.
 #[derive(Default)]
@@ -22,14 +22,17 @@ pub struct Touch {
     probe: Probe,
     /// What the probe was asked about last: the same picture at the same pixel has the same answer.
     probed: Option<(DVec2, Camera)>,
-    /// Cards there were before the last click, which may become a double click.
-    cards_before: usize,
+}
+
+/// Pixels at the picture's lower edge that the bar lies over.
+pub fn covered_below(ctx: &Context, settings: &Settings) -> f64 {
+    if settings.bar && overlay::fits(ctx) { f64::from(BAR_HEIGHT * ctx.pixels_per_point()) } else { 0.0 }
 }
 
 impl Touch {
     /// What stays when a scene is read anew with more files, or fewer: record numbers are others then.
-    pub fn in_same_place(&mut self) -> Touch {
-        Touch { hand: std::mem::take(&mut self.hand), ..Default::default() }
+    pub fn in_scene(self, before: &SceneFacts, now: &SceneFacts) -> Touch {
+        Touch { hand: self.hand, tools: self.tools.in_scene(before, now), ..Default::default() }
     }
 
     /// The picture is another one: what the cursor is on may be, too.
@@ -54,6 +57,7 @@ impl Touch {
         let mut moving = false;
         if let Some(navigation) = &mut scene.navigation {
             navigation.resize(size);
+            navigation.cover(covered_below(ctx, settings));
             self.hand.set_projection(ctx, navigation, settings.look.projection);
             moving = self.hand.steer(ctx, picture, navigation, has_keys);
         }
@@ -73,12 +77,11 @@ impl Touch {
     /// Gives a click to the tool; true if it was a double click that is for the camera.
     fn take_click(&mut self, ctx: &Context, picture: &Response) -> bool {
         if picture.double_clicked_by(PointerButton::Primary) {
-            return self.tools.double_click(self.cards_before);
+            return self.tools.double_click();
         }
         if picture.clicked_by(PointerButton::Primary)
             && let Some(at) = picture.interact_pointer_pos()
         {
-            self.cards_before = self.tools.cards();
             self.tools.click(input::pixel(ctx, picture, at));
         }
         false

@@ -68,7 +68,8 @@ fn settings_are_remembered_and_pictures_saved() {
     viewer.key("Tab");
     viewer.wait_for_line("measured for 1280x800", PATIENCE);
     viewer.shot_at_rest();
-    std::thread::sleep(Duration::from_millis(1500));
+    // Until the window has said for long enough where the pictures are.
+    std::thread::sleep(Duration::from_secs(7));
     let (rests, busy) = (viewer.count("at rest"), viewer.cpu_time());
     std::thread::sleep(Duration::from_secs(2));
     let busy = viewer.cpu_time() - busy;

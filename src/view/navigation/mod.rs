@@ -27,6 +27,10 @@ pub use history::{Gesture, History};
 const FARTHEST: f64 = 50.0;
 /// Farthest that the eye may be from the grid's origin, in steps; [`Camera::view`] takes ten times that.
 const FARTHEST_STEPS: f64 = 1e12;
+/// Room around a scene that is fitted into the picture, as [`Camera::fit`] leaves it.
+const FIT_MARGIN: f64 = 1.03;
+/// Share of the picture that may be left out below a scene that is fitted into it.
+const COVERED_AT_MOST: f64 = 0.45;
 /// Field of view of cameras that are made here; an orthographic one shows what this one would at its target.
 const FOV_Y_DEG: f64 = 60.0;
 
@@ -59,6 +63,8 @@ pub struct Navigation {
     bounds: Bounds,
     /// Of the picture, in pixels.
     size: DVec2,
+    /// Pixels at its lower edge that something lies over: views of all of the scene leave them out.
+    covered_below: f64,
 }
 
 impl Navigation {
@@ -67,7 +73,7 @@ impl Navigation {
         let bounds = representable(bounds, &grid);
         let size = pixels(size);
         let camera = Camera::fit(&bounds, &grid, size.x / size.y);
-        let mut navigation = Navigation { camera, grid, bounds, size };
+        let mut navigation = Navigation { camera, grid, bounds, size, covered_below: 0.0 };
         navigation.pull_in();
         navigation
     }
@@ -83,6 +89,11 @@ impl Navigation {
     /// The picture has another size now; the camera stays.
     pub fn resize(&mut self, size: [u32; 2]) {
         self.size = pixels(size);
+    }
+
+    /// So many pixels at the picture's lower edge are covered now; the camera stays.
+    pub fn cover(&mut self, below: f64) {
+        self.covered_below = below;
     }
 
     /// Of the picture, in pixels.
@@ -102,7 +113,45 @@ impl Navigation {
         }
         let (aspect, projection) = (self.size.x / self.size.y, self.camera.projection);
         self.camera = Camera::fit_as(&self.bounds, &self.grid, aspect, from, projection);
+        if self.covered_below > 0.0 {
+            self.camera = self.fitted_above(self.covered_below / self.size.y);
+        }
         self.pull_in();
+    }
+
+    /// The camera that looks along the same direction and has all of the box above a share of the picture's height.
+    ///
+    /// As in [`Camera::fit_as`], with the eye at (x, y, z) in the camera's axes from the box's centre, a corner at
+    /// (u, v, w) is in the picture if |u - x| <= (w - z) tan, and here, above and below,
+    /// -(w - z) tan_below <= v - y <= (w - z) tan_above. The nearest eye has both of the tighter axis equal, and the
+    /// other axis its margins alike.
+    fn fitted_above(&self, covered: f64) -> Camera {
+        let axes = self.axes();
+        let tan = (0.5 * self.camera.fov_y_deg.to_radians()).tan();
+        // Middle and half of the free rows, where all rows are from -1 to 1.
+        let middle = covered.min(COVERED_AT_MOST);
+        let half = (1.0 - middle) / FIT_MARGIN;
+        let (above, below) = (tan * (half + middle), tan * (half - middle));
+        let beside = tan * self.size.x / self.size.y / FIT_MARGIN;
+        let center = DVec3::from_array(self.bounds.center());
+        let corners = box_corners(&self.bounds).map(|corner| corner - center);
+        // Without perspective it is the same at every depth.
+        let slope = if self.is_flat() { 0.0 } else { 1.0 };
+        let fit_axis = |axis: DVec3, plus: f64, minus: f64| {
+            corners.iter().fold((f64::NEG_INFINITY, f64::INFINITY), |(low, high), corner| {
+                let (u, w) = (axis.dot(*corner), axes.forward.dot(*corner) * slope);
+                (low.max(u - w * plus), high.min(u + w * minus))
+            })
+        };
+        let (left, right) = fit_axis(axes.right, beside, beside);
+        let (bottom, top) = fit_axis(axes.up, above, below);
+        let nearest = ((right - left) / (2.0 * beside)).min((top - bottom) / (above + below));
+        // A scene of a single point still needs a direction to look along.
+        let along = nearest.min(-100.0 * smallest(self.grid.scale).abs());
+        let (x, y) = (0.5 * (left + right), 0.5 * (bottom + top + along * (above - below)));
+        let target = center + axes.right * x + axes.up * y;
+        let eye = target + axes.forward * along;
+        Camera { eye: eye.into(), target: target.into(), ..self.camera }.before(&self.bounds)
     }
 
     /// Perspective or not: what is at the pivot's depth stays as large as it is.
@@ -443,7 +492,7 @@ impl Axes {
 }
 
 /// The part of a segment inside of a rectangle. (Liang and Barsky 1984.)
-fn clipped([a, b]: [DVec2; 2], low: DVec2, high: DVec2) -> Option<[DVec2; 2]> {
+pub fn clipped([a, b]: [DVec2; 2], low: DVec2, high: DVec2) -> Option<[DVec2; 2]> {
     let along = b - a;
     let (mut first, mut last) = (0.0_f64, 1.0_f64);
     for axis in 0..2 {
@@ -462,6 +511,13 @@ fn clipped([a, b]: [DVec2; 2], low: DVec2, high: DVec2) -> Option<[DVec2; 2]> {
 
 fn pixels(size: [u32; 2]) -> DVec2 {
     DVec2::new(f64::from(size[0].max(1)), f64::from(size[1].max(1)))
+}
+
+fn box_corners(bounds: &Bounds) -> [DVec3; 8] {
+    std::array::from_fn(|corner| {
+        let side = |a: usize| if corner >> a & 1 == 0 { bounds.min[a] } else { bounds.max[a] };
+        DVec3::new(side(0), side(1), side(2))
+    })
 }
 
 fn smallest(scale: [f64; 3]) -> f64 {

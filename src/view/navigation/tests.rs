@@ -11,6 +11,46 @@ fn town() -> Navigation {
     Navigation::new(utm_grid(), &bounds, SIZE)
 }
 
+/// The part of the picture that the box's corners span.
+fn spanned(n: &Navigation) -> [DVec2; 2] {
+    let pixels = box_corners(&n.bounds).map(|corner| pixel(n, corner));
+    pixels.into_iter().fold([DVec2::INFINITY, DVec2::NEG_INFINITY], |[low, high], at| [low.min(at), high.max(at)])
+}
+
+/// Nothing of the scene lies behind the bar, it fills the free picture in one direction, and margins there are alike.
+#[test]
+fn views_of_all_leave_out_what_is_covered() {
+    for projection in [Projection::Perspective, Projection::Orthographic] {
+        for (size, covered) in [([1280, 800], 53.0), ([330, 260], 53.0), ([300, 900], 106.0), ([200, 150], 53.0)] {
+            for from in [SOUTH_AND_ABOVE, DVec3::Z, -DVec3::Y, DVec3::X, DVec3::new(1.0, -1.0, 1.0)] {
+                let mut n = town();
+                n.resize(size);
+                n.set_projection(projection);
+                n.cover(covered);
+                n.look_from(from);
+                let what = format!("{size:?} {projection:?} from {from}: {:?}", spanned(&n));
+                let [low, high] = spanned(&n);
+                let free = DVec2::new(n.size.x, n.size.y - covered);
+                assert!(low.cmpge(DVec2::ZERO).all() && high.cmple(free).all(), "{what}");
+                let filled = (high - low) / free;
+                let tight = if filled.x > filled.y { 0 } else { 1 };
+                assert!(filled[tight] > 0.9, "{what} fills {filled}");
+                assert!((low - (free - high))[tight].abs() < 0.01, "{what}: margins differ");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_covered_scene_is_the_reason() {
+    let mut n = town();
+    n.look_from(DVec3::Z);
+    assert!(spanned(&n)[1].y < 800.0, "the box fills the width alone");
+    n.resize([500, 300]);
+    n.look_from(DVec3::Z);
+    assert!(spanned(&n)[1].y > 300.0 - 53.0, "without a word of it, some lies behind the bar");
+}
+
 /// The pixel that shows `point`.
 fn pixel(navigation: &Navigation, point: DVec3) -> DVec2 {
     navigation.locate(point).expect("before the eye").0

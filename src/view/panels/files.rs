@@ -146,8 +146,8 @@ fn open_line(ui: &mut Ui, files: &Files, typed: &mut Typed, requests: &mut Vec<R
     let entered = field.lost_focus() && ui.input(|i| i.key_pressed(eframe::egui::Key::Enter));
     let path = typed.path.trim();
     if entered && !path.is_empty() {
+        // It stays until it is open: one typed wrong is mended, not typed anew.
         requests.push(Request::Open { inputs: vec![path.into()], add: typed.add });
-        typed.path.clear();
     }
     if files.on_wayland {
         ui.small("On Wayland, files dropped on the window may not arrive: open them here, or name them when you start firstlight.");

@@ -1,12 +1,17 @@
 //! How the scene is shown.
 
-use eframe::egui::{Slider, Ui};
+use eframe::egui::{Slider, SliderClamping, Ui};
 
 use super::super::settings::Settings;
 use crate::render::{MAX_PX, PointSize, Projection, Shading};
 
 /// Strengths of eye-dome lighting that the control offers; more can be asked for on the command line.
 const EDL: std::ops::RangeInclusive<f32> = 0.05..=4.0;
+
+/// What the command line gave beyond the ends of a slider stays until the slider is moved.
+fn beyond(slider: Slider<'_>) -> Slider<'_> {
+    slider.clamping(SliderClamping::Edits)
+}
 
 /// Width of a point, in pixels or in space.
 fn point_size(ui: &mut Ui, size: &mut PointSize) {
@@ -29,7 +34,7 @@ fn point_size(ui: &mut Ui, size: &mut PointSize) {
 }
 
 fn length_slider(ui: &mut Ui, length: &mut f64, unit: &str) {
-    ui.add(Slider::new(length, 0.001..=10.0).logarithmic(true).text(format!("Point size, {unit}")))
+    ui.add(beyond(Slider::new(length, 0.001..=10.0)).logarithmic(true).text(format!("Point size, {unit}")))
         .on_hover_text("Width of a point in space ([ and ])");
 }
 
@@ -38,8 +43,8 @@ pub fn show(ui: &mut Ui, settings: &mut Settings) {
     let shading = &mut settings.look.shading;
     point_size(ui, &mut settings.look.point_size);
     ui.checkbox(&mut settings.edl, "Eye-dome lighting").on_hover_text("Darkens what lies behind its neighbours (L)");
-    ui.add_enabled(settings.edl, Slider::new(&mut shading.edl_strength, EDL).logarithmic(true).text("Strength"))
-        .on_hover_text("Strength of eye-dome lighting");
+    let strength = beyond(Slider::new(&mut shading.edl_strength, EDL)).logarithmic(true).text("Strength");
+    ui.add_enabled(settings.edl, strength).on_hover_text("Strength of eye-dome lighting");
     ui.checkbox(&mut shading.high_quality, "High quality")
         .on_hover_text("Mean colour of all points within 1 % of the nearest; twice the work (B)");
     ui.checkbox(&mut shading.fill_holes, "Fill holes")

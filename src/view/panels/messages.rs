@@ -1,4 +1,4 @@
-//! What went wrong and what is odd, to be read, copied and cleared.
+//! What went wrong, what is odd and what was done, to be read, copied and cleared.
 
 use eframe::egui::{Label, RichText, Ui};
 
@@ -34,6 +34,7 @@ pub fn show(ui: &mut Ui, messages: &Messages, requests: &mut Vec<Request>) {
                     ui.ctx().copy_text(text.to_owned());
                 }
                 let color = match severity {
+                    Severity::Done => ui.visuals().text_color(),
                     Severity::Error => ui.visuals().error_fg_color,
                     Severity::Note => ui.visuals().warn_fg_color,
                 };

@@ -10,6 +10,8 @@ pub mod performance;
 pub mod share;
 mod ticks;
 
+use std::path::{Path, PathBuf};
+
 use eframe::egui::{CollapsingHeader, Context, Panel, RichText, ScrollArea, Ui, scroll_area::ScrollSource};
 
 use super::{
@@ -45,6 +47,15 @@ pub struct Typed {
     pub clause_error: Option<String>,
     /// The keyboard is asked for by the panel's first control.
     pub focus: bool,
+}
+
+impl Typed {
+    /// These are open now: a path among them has done its work.
+    pub fn note_opened(&mut self, inputs: &[PathBuf]) {
+        if inputs.iter().any(|input| input.as_path() == Path::new(self.path.trim())) {
+            self.path.clear();
+        }
+    }
 }
 
 /// Whether a window of this width has room for the panel beside the picture.

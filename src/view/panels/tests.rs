@@ -236,6 +236,7 @@ fn files_are_opened_in_every_way() {
     harness.run();
     harness.key_press(Key::Enter);
     harness.run();
+    assert_eq!(harness.state().typed.path, "/tmp/a scan.las", "it may not be there");
     harness.get_by_label("Recent").click();
     harness.run();
     harness.get_by_label("tower.laz").click();
@@ -262,6 +263,25 @@ fn looks_are_set() {
     assert!(settings.look.shading.high_quality && !settings.edl);
     assert_eq!(settings.shading().edl_strength, 0.0);
     assert_eq!(settings.look.shading.background, [255; 3]);
+}
+
+#[test]
+fn looks_beyond_the_sliders_stay_as_the_command_line_gave_them() {
+    let mut world = World::new(&[Section::Look]);
+    world.settings.look.shading.edl_strength = 6.0;
+    world.settings.look.point_size = crate::render::PointSize::World(20.0);
+    let look = world.settings.look.clone();
+    let harness = world.show();
+    assert_eq!(harness.state().settings.look, look);
+}
+
+#[test]
+fn a_path_stays_in_its_field_until_it_is_open() {
+    let mut typed = Typed { path: " /scans/tower.las".into(), ..Default::default() };
+    typed.note_opened(&["/scans/other.las".into()]);
+    assert_eq!(typed.path, " /scans/tower.las");
+    typed.note_opened(&["/scans/other.las".into(), "/scans/tower.las".into()]);
+    assert_eq!(typed.path, "");
 }
 
 fn classes() -> Vec<Value> {
@@ -487,6 +507,31 @@ fn the_cheat_sheet_lists_keys_and_closes() {
     harness.key_press_modifiers(Modifiers::NONE, Key::Escape);
     harness.run();
     assert!(!harness.state().help);
+}
+
+/// One column where two have no room, keys above what they do where they have none beside it, all of it within the
+/// window.
+#[test]
+fn the_cheat_sheet_fits_into_any_window() {
+    let sheet = |ui: &mut Ui, settings: &mut Settings| crate::view::help::show(ui.ctx(), settings);
+    for size in [vec2(1280.0, 800.0), vec2(1090.0, 700.0), vec2(640.0, 400.0), vec2(330.0, 260.0), vec2(200.0, 150.0)] {
+        let mut settings = Settings::new(&Options::default(), &Remembered::default());
+        settings.help = true;
+        let mut harness = Harness::builder().with_size(size).build_ui_state(sheet, settings);
+        harness.run();
+        let window = eframe::egui::Rect::from_min_size(eframe::egui::Pos2::ZERO, size);
+        let close = harness.get_by_label("Close").rect();
+        assert!(window.contains_rect(close), "{close:?} in {size}");
+        for row in crate::view::keys::ROWS {
+            for label in harness.query_all_by_label(row.what).chain(harness.query_all_by_label(row.keys)) {
+                let rect = label.rect();
+                assert!(rect.left() >= 0.0 && rect.right() <= size.x, "{} at {rect:?} in {size}", row.keys);
+            }
+        }
+        harness.get_by_label("Close").click();
+        harness.run();
+        assert!(!harness.state().help, "{size}");
+    }
 }
 
 /// Whatever the size of the window, nothing panics, and the picture keeps some room.

@@ -75,6 +75,20 @@ impl Clipping {
             }
             slab_numbers(ui.ctx(), sheet, facts, &bounds, clip);
         }
+        // What hides points is never out of sight.
+        if let Some(shown) = clip.bounds.filter(|_| tool != Tool::Box) {
+            let corners = box_corners(&shown);
+            for [a, b] in BOX_EDGES {
+                sheet.thin_line(corners[a], corners[b], ACCENT);
+            }
+        }
+        if let Some(shown) = clip.slab.filter(|_| tool != Tool::Slab) {
+            for outline in slab_outlines(&shown, &bounds) {
+                for (at, &corner) in outline.iter().enumerate() {
+                    sheet.thin_line(corner, outline[(at + 1) % outline.len()], ACCENT);
+                }
+            }
+        }
         at_handle
     }
 
@@ -90,7 +104,12 @@ impl Clipping {
         let mut hot = None;
         sheet.line(place(Handle::Middle), place(Handle::Turn), WARM);
         for &handle in handles {
-            let Some(at) = sheet.place(place(handle)).filter(|at| sheet.rect.contains(*at)) else { continue };
+            let at = match handle {
+                // Beside the box or the slab there may be no picture: then where the line to it leaves that.
+                Handle::Turn => sheet.last_seen(place(Handle::Middle), place(Handle::Turn), REACH),
+                _ => sheet.place(place(handle)).filter(|at| sheet.rect.contains(*at)),
+            };
+            let Some(at) = at else { continue };
             let rect = Rect::from_center_size(at, vec2(2.0 * REACH, 2.0 * REACH));
             let response = ui.interact(rect, Id::unique(("clip", handle.name())), Sense::drag());
             response.widget_info(|| WidgetInfo::labeled(Role::Button, true, handle.name()));
@@ -147,11 +166,17 @@ fn draw_box(sheet: &Sheet<'_>, clip: &ClipBox) {
     }
 }
 
-fn draw_slab(sheet: &Sheet<'_>, slab: &Slab, bounds: &Bounds) {
+/// Of both of its planes, as far as they are in the scene.
+fn slab_outlines(slab: &Slab, bounds: &Bounds) -> [Vec<DVec3>; 2] {
     let normal = DVec3::from_array(slab.normal).normalize();
-    for side in [-0.5, 0.5] {
+    [-0.5, 0.5].map(|side| {
         let point = DVec3::from_array(slab.point) + normal * (side * slab.thickness);
-        let outline = plane_outline(point, normal, bounds);
+        plane_outline(point, normal, bounds)
+    })
+}
+
+fn draw_slab(sheet: &Sheet<'_>, slab: &Slab, bounds: &Bounds) {
+    for outline in slab_outlines(slab, bounds) {
         sheet.fill(&outline, ACCENT.gamma_multiply(0.08));
         sheet.outline(&outline, ACCENT);
     }
@@ -162,12 +187,12 @@ fn draw_slab(sheet: &Sheet<'_>, slab: &Slab, bounds: &Bounds) {
     );
 }
 
-/// A small window in the upper right corner of the picture.
+/// A small window in the lower right corner of the picture: the legend is in the upper one.
 fn numbers(ctx: &Context, rect: Rect, title: &str, contents: impl FnOnce(&mut Ui)) {
     Window::new(title)
         .id(Id::unique(("clip numbers", title)))
-        .pivot(egui::Align2::RIGHT_TOP)
-        .default_pos(rect.right_top() + vec2(-10.0, 10.0))
+        .pivot(egui::Align2::RIGHT_BOTTOM)
+        .default_pos(rect.right_bottom() - vec2(10.0, 10.0))
         .constrain_to(rect)
         .resizable(false)
         .show(ctx, contents);

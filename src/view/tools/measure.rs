@@ -5,6 +5,7 @@ use glam::DVec3;
 use crate::{
     inspect::{Decimal, Distance, Ruler, scaled},
     scene::{Grid, SceneFacts, Unit},
+    source::file_of_record,
 };
 
 /// A point of the scene.
@@ -18,6 +19,20 @@ pub struct Place {
     pub world: DVec3,
 }
 
+impl Place {
+    /// The same point once its scene is read anew with more files, or fewer; `None` if its file is no longer among
+    /// them.
+    pub fn in_scene(&self, before: &SceneFacts, now: &SceneFacts) -> Option<Place> {
+        let (file, record) = file_of_record(before, self.record)?;
+        let file = now.files.iter().find(|file_now| file_now.path == before.files[file].path)?;
+        let record = u32::try_from(u64::from(file.first_record) + record).ok()?;
+        // A grid that another file makes coarser has the nearest position.
+        let steps = now.grid.steps(self.world.into()).map(f64::round);
+        let is_on_grid = steps.iter().all(|step| step.abs() <= f64::from(i32::MAX));
+        is_on_grid.then(|| Place { record, position: steps.map(|step| step as i32), world: self.world })
+    }
+}
+
 /// Points in a row.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Line {
@@ -25,6 +40,12 @@ pub struct Line {
 }
 
 impl Line {
+    /// The same line in a scene of more files, or fewer; `None` if one of its points is gone.
+    pub fn in_scene(&self, before: &SceneFacts, now: &SceneFacts) -> Option<Line> {
+        let points: Option<Vec<Place>> = self.points.iter().map(|point| point.in_scene(before, now)).collect();
+        points.map(|points| Line { points })
+    }
+
     pub fn segments(&self, ruler: &Ruler) -> Vec<Distance> {
         self.points.windows(2).map(|pair| ruler.distance(pair[0].position, pair[1].position)).collect()
     }

@@ -95,6 +95,18 @@ enum Last {
 }
 
 impl Tools {
+    /// What stays when the scene is read anew with more files, or fewer: cards and lines of points that are still there.
+    pub fn in_scene(self, before: &SceneFacts, now: &SceneFacts) -> Tools {
+        Tools {
+            hovered: None,
+            pins: self.pins.in_scene(before, now),
+            lines: self.lines.iter().filter_map(|line| line.in_scene(before, now)).collect(),
+            drawn: self.drawn.in_scene(before, now).unwrap_or_default(),
+            clicks: Vec::new(),
+            ..self
+        }
+    }
+
     /// The point under the cursor is this one now, or none.
     pub fn hover(&mut self, pick: Option<Pick>, facts: &SceneFacts) {
         let hovered = pick.map(|pick| place(&pick, facts));
@@ -107,26 +119,22 @@ impl Tools {
     /// Asks for the point at a pixel, to do with it what the tool does.
     pub fn click(&mut self, pixel: DVec2) {
         if pixel.min_element() >= 0.0 && (self.tool == Tool::Inspect || self.tool.measures()) {
+            self.pins.begin_click();
             self.clicks.push(Click { pixel, ticket: None, frames: 0 });
         }
     }
 
     /// The last click was the first half of a double click, which does something else; true if that is for the camera.
-    pub fn double_click(&mut self, clicks_before: usize) -> bool {
+    pub fn double_click(&mut self) -> bool {
         self.clicks.clear();
         if self.tool.measures() {
             self.finish();
             return false;
         }
-        if self.tool == Tool::Inspect && self.pins.len() > clicks_before {
-            self.pins.remove_last();
+        if self.tool == Tool::Inspect {
+            self.pins.undo_click();
         }
         true
-    }
-
-    /// Cards that are pinned.
-    pub fn cards(&self) -> usize {
-        self.pins.len()
     }
 
     /// Goes on with the clicks whose points are not known yet.
@@ -357,13 +365,64 @@ mod tests {
         tools.obey(Command::Finish, &ctx, &facts, DVec2::ZERO, &mut clip);
         assert_eq!((tools.lines.len(), tools.drawn.points.len()), (1, 0));
         tools.take(&ctx, &facts, at(9));
-        assert!(!tools.double_click(0), "it ends the line and moves no camera");
+        assert!(!tools.double_click(), "it ends the line and moves no camera");
         assert_eq!((tools.lines.len(), tools.drawn.points.len()), (1, 0), "one point is no line");
         tools.take(&ctx, &facts, at(9));
         tools.close();
         assert_eq!((tools.drawn.points.len(), tools.tool), (0, Tool::Polyline), "Escape: first the line");
         tools.close();
         assert_eq!((tools.lines.len(), tools.tool), (1, Tool::Inspect), "then the tool; what was measured stays");
+    }
+
+    /// With as many cards as there may be, the first half of a double click takes the oldest one's place: it comes back.
+    #[test]
+    fn a_double_click_costs_no_card() {
+        let (ctx, facts) = (Context::default(), facts());
+        let mut tools = Tools::default();
+        for record in 1..=16 {
+            tools.click(DVec2::ONE);
+            tools.take(&ctx, &facts, at(record));
+        }
+        let before = tools.pins.records();
+        assert_eq!(before.len(), 16);
+        tools.click(DVec2::ONE);
+        tools.take(&ctx, &facts, at(17));
+        assert_ne!(tools.pins.records(), before);
+        tools.double_click();
+        assert_eq!(tools.pins.records(), before);
+    }
+
+    #[test]
+    fn cards_and_lines_follow_their_files_to_other_record_numbers() {
+        let (ctx, mut before) = (Context::default(), (*facts()).clone());
+        let file = |name: &str, first_record| FileFacts {
+            path: name.into(),
+            first_record,
+            points_in_header: 100,
+            ..Default::default()
+        };
+        before.files = vec![file("a.las", 0), file("b.las", 100)];
+        let before = Arc::new(before);
+        let mut tools = Tools::default();
+        for record in [7, 105] {
+            tools.take(&ctx, &before, at(record));
+        }
+        tools.tool = Tool::Polyline;
+        for (from, to) in [(101, 103), (3, 103)] {
+            tools.take(&ctx, &before, at(from));
+            tools.take(&ctx, &before, at(to));
+            tools.finish();
+        }
+        // Without the first file, on a grid of tenths.
+        let grid = Grid { scale: [0.1; 3], origin: [100.0, 0.0, 0.0] };
+        let now = SceneFacts { grid, files: vec![file("c.las", 0), file("b.las", 40)], ..(*before).clone() };
+        let tools = tools.in_scene(&before, &now);
+        assert_eq!(tools.pins.records(), [45]);
+        let [line] = &tools.lines[..] else { panic!("{:?}", tools.lines) };
+        let points = [(41, [10, 0, 0]), (43, [30, 0, 0])];
+        assert_eq!(points, [0, 1].map(|i| (line.points[i].record, line.points[i].position)));
+        assert!(line.text(&now).contains("2.0"), "{}", line.text(&now));
+        assert_eq!(tools.tool, Tool::Polyline);
     }
 
     #[test]
@@ -373,15 +432,19 @@ mod tests {
         for record in [1, 2, 2] {
             tools.take(&ctx, &facts, at(record));
         }
-        assert_eq!(tools.cards(), 2, "a point has one card");
+        assert_eq!(tools.pins.len(), 2, "a point has one card");
         tools.close();
-        assert_eq!(tools.cards(), 1);
+        assert_eq!(tools.pins.len(), 1);
+        tools.click(DVec2::ONE);
         tools.take(&ctx, &facts, at(3));
-        assert!(tools.double_click(1), "the double click is the camera's");
-        assert_eq!(tools.cards(), 1, "and its first half pins nothing");
+        assert!(tools.double_click(), "the double click is the camera's");
+        assert_eq!(tools.pins.len(), 1, "and its first half pins nothing");
+        tools.click(DVec2::ONE);
+        assert!(tools.double_click(), "beside all points");
+        assert_eq!(tools.pins.len(), 1, "there is nothing to take back");
         tools.tool = Tool::Box;
         let mut clip = Clip { bounds: Some(handles::whole_box(&facts.bounds)), slab: None };
         tools.obey(Command::Remove, &ctx, &facts, DVec2::ZERO, &mut clip);
-        assert_eq!((clip.bounds, tools.cards()), (None, 1), "Delete takes the box, not the card");
+        assert_eq!((clip.bounds, tools.pins.len()), (None, 1), "Delete takes the box, not the card");
     }
 }

@@ -6,7 +6,7 @@ use std::sync::{
     mpsc::{Receiver, TryRecvError, channel},
 };
 
-use eframe::egui::{self, Context, Id, RichText, ScrollArea, Window, vec2};
+use eframe::egui::{self, Context, Id, Label, Rect, RichText, ScrollArea, Ui, Window, pos2, vec2};
 
 use super::{
     copy::copy,
@@ -17,6 +17,15 @@ use crate::{inspect::PointRecord, scene::SceneFacts};
 
 /// Cards at a time; of more, the oldest is put away.
 const MOST: usize = 16;
+/// Of a new card, points: its rows and the margins around them.
+const WIDTH: f32 = 350.0;
+/// From a point to its card, and from a card to where the next one of the same point would be, points.
+const ASIDE: f32 = 40.0;
+const STEP: f32 = 26.0;
+/// Height of a card's rows where there is room for it; a window's title, two lines of buttons and its margins take as
+/// much as [`AROUND_ROWS`].
+const ROWS: f32 = 360.0;
+const AROUND_ROWS: f32 = 118.0;
 
 /// A point with its card.
 pub struct Pin {
@@ -91,6 +100,14 @@ impl Drop for Pin {
 pub struct Pins {
     pins: Vec<Pin>,
     set: u32,
+    /// What the last click has pinned.
+    added: Option<Added>,
+}
+
+/// A card, and the oldest one that had to make room for it.
+struct Added {
+    number: u32,
+    displaced: Option<Pin>,
 }
 
 impl Pins {
@@ -99,15 +116,41 @@ impl Pins {
         if self.pins.iter().any(|pin| pin.place.record == place.record) {
             return;
         }
-        if self.pins.len() == MOST {
-            self.pins.remove(0);
-        }
+        let displaced = (self.pins.len() == MOST).then(|| self.pins.remove(0));
         self.set += 1;
         self.pins.push(Pin::new(ctx, facts, place, self.set));
+        self.added = Some(Added { number: self.set, displaced });
     }
 
+    /// A click begins, which may pin a card.
+    pub fn begin_click(&mut self) {
+        self.added = None;
+    }
+
+    /// As if the last click had pinned nothing.
+    pub fn undo_click(&mut self) {
+        let Some(Added { number, displaced }) = self.added.take() else { return };
+        self.pins.retain(|pin| pin.number != number);
+        self.pins.splice(0..0, displaced);
+    }
+
+    /// Those whose files are still in the scene, with the records' numbers in it.
+    pub fn in_scene(self, before: &SceneFacts, now: &SceneFacts) -> Pins {
+        let renumbered = |mut pin: Pin| {
+            pin.place = pin.place.in_scene(before, now)?;
+            Some(pin)
+        };
+        Pins { pins: self.pins.into_iter().filter_map(renumbered).collect(), added: None, ..self }
+    }
+
+    #[cfg(test)]
     pub fn len(&self) -> usize {
         self.pins.len()
+    }
+
+    #[cfg(test)]
+    pub fn records(&self) -> Vec<u32> {
+        self.pins.iter().map(|pin| pin.place.record).collect()
     }
 
     /// Puts the last card away; false if there was none.
@@ -146,17 +189,19 @@ impl Pins {
 }
 
 struct Shown {
-    rect: Option<egui::Rect>,
+    rect: Option<Rect>,
     is_closed: bool,
 }
 
 fn card(ctx: &Context, sheet: &Sheet<'_>, pin: &Pin, facts: &SceneFacts, at: usize) -> Shown {
     let mut open = true;
     let mut close = false;
-    // Beside its point, the next ones a step lower.
-    let step = 26.0 * (at % 8) as f32;
-    let beside = sheet.place(pin.place.world).map_or(sheet.free.left_top(), |place| place + vec2(40.0, -40.0));
-    let corner = sheet.free.shrink(8.0).clamp(beside + vec2(step, step));
+    // The next ones a step lower.
+    let step = STEP * (at % 8) as f32;
+    let place = sheet.place(pin.place.world).unwrap_or(sheet.free.left_top());
+    let corner = pos2(left_edge(place.x, step, sheet.free), place.y - ASIDE + step);
+    let corner = sheet.free.shrink(8.0).clamp(corner);
+    let height = (sheet.free.height() - AROUND_ROWS).clamp(20.0, ROWS);
     let window = Window::new(format!("Point {}", pin.number))
         .id(Id::unique(("card", pin.number)))
         .open(&mut open)
@@ -167,18 +212,15 @@ fn card(ctx: &Context, sheet: &Sheet<'_>, pin: &Pin, facts: &SceneFacts, at: usi
     let shown = window.show(ctx, |ui| {
         match &pin.card {
             Card::Reading(_) => {
-                let [x, y, z] = coordinates(pin.place.position, &facts.grid);
-                rows(ui, pin.number, &[("X".into(), x), ("Y".into(), y), ("Z".into(), z)]);
-                ui.label("Reading the record …");
+                rows(ui, pin.number, height, &place_rows(pin, facts), Some("Reading the record …".into()));
             }
             Card::Failed(error) => {
-                let [x, y, z] = coordinates(pin.place.position, &facts.grid);
-                rows(ui, pin.number, &[("X".into(), x), ("Y".into(), y), ("Z".into(), z)]);
-                ui.colored_label(ui.visuals().error_fg_color, error);
+                let error = RichText::new(error).color(ui.visuals().error_fg_color);
+                rows(ui, pin.number, height, &place_rows(pin, facts), Some(error));
             }
-            Card::Read(record) => rows(ui, pin.number, &record.card()),
+            Card::Read(record) => rows(ui, pin.number, height, &record.card(), None),
         }
-        ui.horizontal(|ui| {
+        ui.horizontal_wrapped(|ui| {
             if ui.button("Copy").on_hover_text("As lines of text (Ctrl + C copies the last card)").clicked() {
                 copy(ui.ctx(), pin.text(facts));
             }
@@ -199,15 +241,31 @@ fn card(ctx: &Context, sheet: &Sheet<'_>, pin: &Pin, facts: &SceneFacts, at: usi
     Shown { rect: shown.map(|shown| shown.response.rect), is_closed: close || !open }
 }
 
-fn rows(ui: &mut egui::Ui, number: u32, rows: &[(String, String)]) {
-    ScrollArea::vertical().max_height(360.0).show(ui, |ui| {
+/// Where a card beside a point begins: right of it, or left of it where only there is room, so that it does not hide
+/// the point.
+fn left_edge(point: f32, step: f32, free: Rect) -> f32 {
+    let (right, left) = (point + ASIDE + step, point - ASIDE - step - WIDTH);
+    if right + WIDTH > free.right() && left >= free.left() { left } else { right }
+}
+
+fn place_rows(pin: &Pin, facts: &SceneFacts) -> [(String, String); 3] {
+    let [x, y, z] = coordinates(pin.place.position, &facts.grid);
+    [("X".into(), x), ("Y".into(), y), ("Z".into(), z)]
+}
+
+/// What is known, and how it stands with the rest of it.
+fn rows(ui: &mut Ui, number: u32, height: f32, rows: &[(String, String)], note: Option<RichText>) {
+    ScrollArea::vertical().max_height(height).min_scrolled_height(height).show(ui, |ui| {
         egui::Grid::new(("card rows", number)).num_columns(2).striped(true).show(ui, |ui| {
             for (name, text) in rows {
-                ui.label(RichText::new(name).weak());
-                ui.add(egui::Label::new(RichText::new(text).monospace()).wrap());
+                ui.label(name);
+                ui.add(Label::new(RichText::new(text).monospace()).wrap());
                 ui.end_row();
             }
         });
+        if let Some(note) = note {
+            ui.add(Label::new(note).wrap());
+        }
     });
 }
 
@@ -218,7 +276,7 @@ mod tests {
         time::{Duration, Instant},
     };
 
-    use eframe::egui::{OutputCommand, Rect, pos2};
+    use eframe::egui::{OutputCommand, Rect, Vec2, pos2};
     use egui_kittest::{Harness, kittest::Queryable as _};
 
     use super::*;
@@ -247,14 +305,18 @@ mod tests {
     }
 
     fn show(world: World) -> Harness<'static, World> {
-        let contents = |ui: &mut egui::Ui, world: &mut World| {
-            let rect = Rect::from_min_size(pos2(0.0, 0.0), vec2(900.0, 700.0));
+        show_in(vec2(900.0, 700.0), world)
+    }
+
+    fn show_in(size: Vec2, world: World) -> Harness<'static, World> {
+        let contents = move |ui: &mut Ui, world: &mut World| {
+            let rect = Rect::from_min_size(pos2(0.0, 0.0), size);
             let ctx = ui.ctx().clone();
             let painter = ui.painter_at(rect);
             let sheet = Sheet { painter, rect, free: rect, navigation: &world.navigation, pixels_per_point: 1.0 };
             world.pins.show(&sheet, &ctx, &world.facts);
         };
-        Harness::builder().with_size(vec2(900.0, 700.0)).build_ui_state(contents, world)
+        Harness::builder().with_size(size).build_ui_state(contents, world)
     }
 
     /// Until the card says this, as a thread reads what it is about.
@@ -283,6 +345,8 @@ mod tests {
         world.pins.set(&Context::default(), &world.facts.clone(), place(7));
         let mut harness = show(world);
         wait_for(&mut harness, "Intensity");
+        // The card grows with the record.
+        harness.run();
         for (_, text) in record.card() {
             assert!(harness.query_all_by_label(&text).next().is_some(), "{text} is not on the card");
         }
@@ -308,5 +372,33 @@ mod tests {
         harness.get_by_label("Copy").click();
         harness.step();
         assert_eq!(copied(&harness).as_deref(), Some("5.000 4.250 0.001"));
+    }
+
+    /// A card of 20 rows, whose buttons a status bar would hide: `show_in` has the picture end where that begins.
+    #[test]
+    fn buttons_of_a_card_are_in_the_picture_whatever_its_size() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("sample_data/planes.las");
+        for size in [vec2(640.0, 347.0), vec2(330.0, 207.0), vec2(900.0, 700.0)] {
+            let mut world = world(&path);
+            world.pins.set(&Context::default(), &world.facts.clone(), place(7));
+            let mut harness = show_in(size, world);
+            wait_for(&mut harness, "Intensity");
+            harness.run();
+            let picture = Rect::from_min_size(pos2(0.0, 0.0), size);
+            for button in ["Copy", "JSON", "CSV", "CSV with names", "Close"] {
+                let rect = harness.get_by_label(button).rect();
+                assert!(picture.contains_rect(rect), "{button} at {rect:?} in {size}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_card_leaves_its_point_to_be_seen() {
+        let free = Rect::from_min_max(pos2(0.0, 0.0), pos2(1000.0, 700.0));
+        for (point, step) in [(10.0, 0.0), (500.0, 0.0), (600.0, 26.0), (700.0, 0.0), (990.0, 182.0)] {
+            let left = left_edge(point, step, free);
+            assert!(left >= 0.0 && left + WIDTH <= 1000.0, "{point}: {left}");
+            assert!(point < left || point > left + WIDTH, "{point} is behind {left} to {}", left + WIDTH);
+        }
     }
 }

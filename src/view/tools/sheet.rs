@@ -4,7 +4,7 @@
 use eframe::egui::{Align2, Color32, CornerRadius, FontId, Painter, Pos2, Rect, Shape, Stroke, pos2, vec2};
 use glam::{DVec2, DVec3};
 
-use crate::view::navigation::Navigation;
+use crate::view::navigation::{Navigation, clipped};
 
 pub const WHITE: Color32 = Color32::from_rgb(245, 247, 250);
 pub const ACCENT: Color32 = Color32::from_rgb(106, 182, 255);
@@ -52,6 +52,21 @@ impl Sheet<'_> {
         Some(ends)
     }
 
+    /// A line that leaves what is under it to be seen.
+    pub fn thin_line(&self, a: DVec3, b: DVec3, color: Color32) {
+        if let Some(ends) = self.segment(a, b) {
+            self.painter.line_segment(ends, Stroke::new(2.0, SHADE.gamma_multiply(0.6)));
+            self.painter.line_segment(ends, Stroke::new(1.0, color.gamma_multiply(0.8)));
+        }
+    }
+
+    /// The last place of a segment, from `a` on, that is so many points within the free part of the picture.
+    pub fn last_seen(&self, a: DVec3, b: DVec3, within: f32) -> Option<Pos2> {
+        let [a, b] = self.segment(a, b)?;
+        let room = self.free.shrink(within);
+        room.is_positive().then(|| last_within(a, b, room)).flatten()
+    }
+
     /// A closed outline.
     pub fn outline(&self, corners: &[DVec3], color: Color32) {
         for (at, &corner) in corners.iter().enumerate() {
@@ -89,6 +104,13 @@ impl Sheet<'_> {
     }
 }
 
+/// The last place of the segment that is in the rectangle.
+fn last_within(a: Pos2, b: Pos2, rect: Rect) -> Option<Pos2> {
+    let exact = |at: Pos2| DVec2::new(at.x.into(), at.y.into());
+    let [_, last] = clipped([a, b].map(exact), exact(rect.min), exact(rect.max))?;
+    Some(pos2(last.x as f32, last.y as f32))
+}
+
 /// A rectangle moved into another one, as far as it fits.
 fn inside(rect: Rect, around: Rect) -> Rect {
     let x = rect.min.x.min(around.max.x - rect.width()).max(around.min.x);
@@ -99,6 +121,15 @@ fn inside(rect: Rect, around: Rect) -> Rect {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::view::style::contrast;
+
+    #[test]
+    fn words_can_be_read_on_a_white_picture() {
+        for color in [WHITE, ACCENT, WARM] {
+            let ground = Color32::WHITE.blend(SHADE);
+            assert!(contrast(color, ground) >= 4.5, "{color:?}: {}", contrast(color, ground));
+        }
+    }
 
     #[test]
     fn words_stay_in_the_picture() {
@@ -107,5 +138,16 @@ mod tests {
         assert_eq!(inside(rect(200.0, 100.0), around), rect(200.0, 100.0));
         assert_eq!(inside(rect(490.0, 395.0), around), rect(420.0, 380.0));
         assert_eq!(inside(rect(-90.0, 0.0), around), rect(100.0, 50.0));
+    }
+
+    #[test]
+    fn a_knob_beyond_the_picture_is_where_its_line_leaves_it() {
+        let room = Rect::from_min_max(pos2(0.0, 0.0), pos2(200.0, 100.0));
+        let from = pos2(100.0, 50.0);
+        assert_eq!(last_within(from, pos2(150.0, 60.0), room), Some(pos2(150.0, 60.0)));
+        assert_eq!(last_within(from, pos2(300.0, 50.0), room), Some(pos2(200.0, 50.0)));
+        assert_eq!(last_within(from, pos2(100.0, -150.0), room), Some(pos2(100.0, 0.0)));
+        assert_eq!(last_within(pos2(-100.0, 50.0), pos2(-50.0, 50.0), room), None, "it has not come in yet");
+        assert_eq!(last_within(pos2(-100.0, 120.0), pos2(300.0, 120.0), room), None);
     }
 }

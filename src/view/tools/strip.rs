@@ -1,6 +1,10 @@
 //! The buttons at the left edge of the picture.
 
-use eframe::egui::{Area, Button, Context, Frame, Id, Order, Rect, RichText, Role, Ui, WidgetInfo, vec2};
+use eframe::egui::{
+    Area, Button, Context, Frame, Id, Order, PopupCloseBehavior, Rect, RichText, Role, Ui, WidgetInfo,
+    containers::menu::{MenuButton, MenuConfig},
+    vec2,
+};
 
 use super::{Tool, Tools};
 use crate::view::{
@@ -45,7 +49,10 @@ pub fn strip(ctx: &Context, rect: Rect, tools: &Tools, bookmarks: &mut Bookmarks
                 }
             }
             ui.separator();
-            ui.menu_button(RichText::new("Views").small(), |ui| views(ui, bookmarks, &mut asked));
+            // A click into a bookmark's name must not close it: what is typed would act on the picture.
+            let stays = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
+            let menu = MenuButton::new(RichText::new("Views").small()).config(stays);
+            menu.ui(ui, |ui| views(ui, bookmarks, &mut asked));
         });
     });
     asked
@@ -96,5 +103,59 @@ fn list(ui: &mut Ui, bookmarks: &mut Bookmarks, entry: &mut impl FnMut(&mut Ui, 
     }
     if let Some(at) = away {
         bookmarks.entries.remove(at);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use eframe::egui::Pos2;
+    use egui_kittest::{Harness, kittest::Queryable as _};
+
+    use super::*;
+
+    #[derive(Default)]
+    struct World {
+        bookmarks: Bookmarks,
+        asked: Vec<Command>,
+    }
+
+    fn menu() -> Harness<'static, World> {
+        let mut world = World::default();
+        world.bookmarks.add(crate::render::Camera::default());
+        let contents = |ui: &mut Ui, world: &mut World| {
+            let rect = Rect::from_min_size(Pos2::ZERO, vec2(800.0, 700.0));
+            world.asked.extend(strip(ui.ctx(), rect, &Tools::default(), &mut world.bookmarks));
+        };
+        let mut harness = Harness::builder().with_size(vec2(800.0, 700.0)).build_ui_state(contents, world);
+        harness.run();
+        harness.get_by_label("Views").click();
+        harness.run();
+        harness
+    }
+
+    /// By mouse: a click into the field closes no menu, and what is typed is a name and no shortcut.
+    #[test]
+    fn bookmarks_are_renamed() {
+        let mut harness = menu();
+        let field = harness.get_by_label("Name of the bookmark").rect().center();
+        harness.hover_at(field);
+        harness.drag_at(field);
+        harness.drop_at(field);
+        harness.run();
+        assert!(harness.get_by_label("Name of the bookmark").is_focused());
+        harness.get_by_label("Name of the bookmark").type_text("x");
+        harness.run();
+        let names: Vec<&str> = harness.state().bookmarks.entries.iter().map(|entry| entry.name.as_str()).collect();
+        assert!(matches!(names[..], [name] if name.ends_with('x')), "{names:?}");
+        assert_eq!(harness.state().asked, []);
+    }
+
+    #[test]
+    fn a_view_that_is_chosen_closes_the_menu() {
+        let mut harness = menu();
+        harness.get_by_label_contains("From above").click();
+        harness.run();
+        assert_eq!(harness.state().asked, [Command::Show(StandardView::Top)]);
+        assert!(harness.query_by_label("Name of the bookmark").is_none());
     }
 }
