@@ -48,6 +48,9 @@ pub fn render(settings: &Settings) -> Result<Report, HeadlessError> {
     run.decorate(&mut picture)?;
     run.seconds.to_picture = Some(run.now());
     run.report.points_shown = run.progressive.wait_for_points_shown()?;
+    if run.report.points_shown == Some(0) && run.progressive.points_stored() > 0 {
+        run.report.notes.push("nothing is shown: --filter, --clip and --slab hide all points".into());
+    }
     let report = run.into_report(last_frame, &picture);
     write_outputs(settings, &report, &picture)?;
     Ok(report)
@@ -326,6 +329,7 @@ impl<'a> Run<'a> {
             report.points_missing = Some(left_out);
             report.notes.push(format!("memory ran out: {} points are not in the picture", grouped(left_out)));
         }
+        report.notes.extend(self.progressive.colorless_files());
         report.batches = self.progressive.insertions();
         report.converged = converged;
         report.grid = self.facts.as_ref().map(|facts| facts.grid);

@@ -5,10 +5,7 @@ use std::{
     sync::atomic::AtomicBool,
 };
 
-use super::{
-    decimal::{Decimal, scaled, shortest, shortest_f32},
-    gps_time::GpsEpoch,
-};
+use super::{Decimal, gps_time::GpsEpoch, scaled, shortest, shortest_f32};
 use crate::{
     scene::{Attributes, ExtraDimension, ExtraKind, Number, SceneFacts, WAVE_PACKET_BYTES},
     source::{
