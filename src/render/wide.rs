@@ -94,7 +94,7 @@ impl WideKeys {
         let steps = (last - first) as f64;
         let is_coarse = first < last && spacing * 256.0 > steps * keys.scale.abs();
         let scale = Scale { low: 0.0, high: steps, transfer: Transfer::Linear };
-        is_coarse.then(|| spread(first.into(), scale.beyond_low()))
+        is_coarse.then(|| spread(first.into(), &scale.beyond_low()))
     }
 
     /// What gives the keys of an extra dimension's numbers in one file.
@@ -154,12 +154,12 @@ impl IntegerKeys {
         let first = self.first(&low, Ordering::is_lt);
         let step = self.scale.abs();
         let ahead = self.scaled.exact(self.number(first)).minus(&low).nearest() / step;
-        spread(first, scale.beyond_low().map(|beyond| beyond / step - ahead))
+        spread(first, &scale.beyond_low().map(|beyond| beyond / step - ahead))
     }
 }
 
 /// The keys of 256 colours, so many steps behind the first key; the first colour's is any.
-fn spread(first: i128, steps: [f64; 256]) -> [u64; 256] {
+fn spread(first: i128, steps: &[f64; 256]) -> [u64; 256] {
     let key = |steps: f64| first.saturating_add(steps.ceil() as i128).clamp(0, u64::MAX.into()) as u64;
     std::array::from_fn(|level| if level == 0 { 0 } else { key(steps[level]) })
 }
@@ -268,7 +268,7 @@ mod tests {
         let single = dimension(ExtraKind::F32, None);
         let double = dimension(ExtraKind::F64, None);
         // In a scene with doubles the digits count as well.
-        for scene in [scene(&[single.clone()]), scene(&[single, double])] {
+        for scene in [scene(std::slice::from_ref(&single)), scene(&[single.clone(), double])] {
             for (ranges, expected) in [("0.1", 1..2), ("..0.1", 0..2), ("0.1..0.2", 1..3), ("0.4..", 4..10)] {
                 assert_eq!(held(&scene, 0, &numbers, ranges), expected.collect::<Vec<_>>(), "{ranges}");
             }
