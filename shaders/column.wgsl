@@ -36,7 +36,8 @@ fn by_table(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) gr
     if at < column.len {
         let key = keys[at];
         if key != 0u {
-            paint(pixel, (key - 1u) & 0xffu);
+            let value = key - 1u;
+            paint(pixel, (value + 61u * (value >> 8u)) & 0xffu);
         }
     }
 }

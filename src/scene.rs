@@ -7,12 +7,14 @@ use serde::Serialize;
 
 mod attribute;
 mod attributes;
+mod decimal;
 mod extra_bytes;
 mod gps;
 mod unit;
 
 pub use attribute::{Attribute, UnknownAttribute};
 pub use attributes::{Attributes, WAVE_PACKET_BYTES};
+pub use decimal::{Decimal, Scaled, scaled, shortest, shortest_f32};
 pub use extra_bytes::{ExtraDimension, ExtraKind, Number};
 pub use gps::GpsClock;
 pub use unit::Unit;
@@ -128,7 +130,8 @@ pub const INTENSITY_BINS: usize = 256;
 pub struct ColorStats {
     /// Largest of all red, green and blue values.
     pub rgb_max: u16,
-    /// Largest intensity.
+    /// Smallest and largest intensity; the first is the larger one where none was read.
+    pub intensity_min: u16,
     pub intensity_max: u16,
     /// Sampled intensities, counted in logarithmic bins ([`intensity_bin`]).
     pub intensity: Box<[u32; INTENSITY_BINS]>,
@@ -141,6 +144,7 @@ impl Default for ColorStats {
     fn default() -> Self {
         ColorStats {
             rgb_max: 0,
+            intensity_min: u16::MAX,
             intensity_max: 0,
             intensity: Box::new([0; INTENSITY_BINS]),
             z_min: i32::MAX,
@@ -152,6 +156,7 @@ impl Default for ColorStats {
 impl ColorStats {
     pub fn merge(&mut self, other: &ColorStats) {
         self.rgb_max = self.rgb_max.max(other.rgb_max);
+        self.intensity_min = self.intensity_min.min(other.intensity_min);
         self.intensity_max = self.intensity_max.max(other.intensity_max);
         for (a, b) in self.intensity.iter_mut().zip(other.intensity.iter()) {
             *a += b;
@@ -187,6 +192,18 @@ impl ColorStats {
     }
 }
 
+/// Where not all records are counted, one of so many in a row is.
+pub const SAMPLED: u32 = 16;
+
+/// The record that is counted of the `row`-th [`SAMPLED`] ones: any of them, by chance. Scans have patterns, such as
+/// lines of equal length, of which every 16th record would be a few places only.
+pub fn sample_of(row: u32) -> u32 {
+    // Chris Wellons' lowbias32.
+    let mixed = (row ^ row >> 16).wrapping_mul(0x7feb_352d);
+    let mixed = (mixed ^ mixed >> 15).wrapping_mul(0x846c_a68b);
+    row.wrapping_mul(SAMPLED).wrapping_add((mixed ^ mixed >> 16) % SAMPLED)
+}
+
 /// The bin that an intensity is counted in: exact below 32, then 16 bins per power of two.
 pub fn intensity_bin(value: u16) -> usize {
     if value < 32 {
@@ -203,6 +220,11 @@ pub fn intensity_of_bin(bin: usize) -> u16 {
     }
     let exponent = bin / 16 + 3;
     ((16 + bin % 16) << (exponent - 4)) as u16
+}
+
+/// The largest intensity of a bin.
+pub fn last_of_bin(bin: usize) -> u16 {
+    if bin + 1 < INTENSITY_BINS { intensity_of_bin(bin + 1).wrapping_sub(1) } else { u16::MAX }
 }
 
 /// How a file's points get their colour.
@@ -275,6 +297,30 @@ pub struct RecordFacts {
     pub bytes_per_point: usize,
 }
 
+impl RecordFacts {
+    /// The extra dimension of this name and which of its elements: `Normal` is the first of three, as `Normal[0]` is,
+    /// `Normal[1]` the second. `None` if there is none with values: bytes without a meaning have none.
+    pub fn extra(&self, name: &str) -> Option<(&ExtraDimension, usize)> {
+        let find = |name: &str, element| {
+            let of_name = |d: &&ExtraDimension| d.name == name && !matches!(d.kind, ExtraKind::Bytes(_));
+            self.extra_dimensions.iter().find(of_name).filter(|d| element < d.elements).map(|d| (d, element))
+        };
+        // A dimension may be called so itself.
+        find(name, 0).or_else(|| {
+            let (name, element) = name.strip_suffix(']')?.rsplit_once('[')?;
+            find(name, element.parse().ok()?)
+        })
+    }
+
+    /// The names that [`RecordFacts::extra`] knows, one for each element.
+    pub fn extra_names(&self) -> impl Iterator<Item = String> {
+        let with_values = self.extra_dimensions.iter().filter(|d| self.extra(&d.name).is_some());
+        with_values.flat_map(|d| {
+            (0..d.elements).map(|element| if element == 0 { d.name.clone() } else { format!("{}[{element}]", d.name) })
+        })
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -287,9 +333,25 @@ mod tests {
             assert!(bin == last || bin == last + 1, "value {value}: bin {bin} after {last}");
             assert!(intensity_of_bin(bin) <= value);
             assert_eq!(intensity_bin(intensity_of_bin(bin)), bin);
+            assert!(value <= last_of_bin(bin) && intensity_bin(last_of_bin(bin)) == bin);
             last = bin;
         }
         assert!(last < INTENSITY_BINS);
+    }
+
+    #[test]
+    fn samples_see_every_place_of_a_line() {
+        for line in [16, 64, 1424, 4096] {
+            let mut seen = vec![0; line as usize];
+            for row in 0..100 * line / SAMPLED {
+                let record = sample_of(row);
+                assert_eq!(record / SAMPLED, row);
+                seen[(record % line) as usize] += 1;
+            }
+            // Of 100 lines a sixteenth: 6.25 at each place.
+            let (least, most) = (*seen.iter().min().unwrap(), *seen.iter().max().unwrap());
+            assert!(most < 25 && seen.iter().filter(|&&n| n == 0).count() * 100 <= 2 * line as usize, "{least} {most}");
+        }
     }
 
     fn stats(rgb_max: u16, intensities: &[u16]) -> ColorStats {

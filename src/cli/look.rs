@@ -70,7 +70,8 @@ pub struct LookArgs {
 #[command(next_help_heading = "What is shown")]
 pub struct FilterArgs {
     /// Show only points whose attribute has one of these values: class=2,6 or class!=7 or elevation=10..55.5 or
-    /// file=0; given several times, all must hold
+    /// return=last or file=0; given several times, all must hold. Attributes are those of --color-by but rgb, also by
+    /// their short names: class, return, returns, source, time, z
     #[arg(long, value_name = "ATTRIBUTE=VALUES")]
     filter: Vec<Clause>,
     /// Show only what lies in this box, in the file's coordinates; the last number turns it around its middle
@@ -96,8 +97,9 @@ impl FilterArgs {
 #[command(next_help_heading = "How it is coloured")]
 pub struct ColorArgs {
     /// auto (rgb if a file has any, else intensity, else elevation), rgb, intensity, elevation, classification,
-    /// return-number, number-of-returns, point-source, user-data, scan-angle, gps-time, file, or extra:NAME, an
-    /// extra-bytes dimension
+    /// return-number, number-of-returns, last-return, point-source, user-data, scan-angle, gps-time, file, or
+    /// extra:NAME, an extra-bytes dimension (extra:NAME[1] and extra:NAME[2] its other elements); also by their short
+    /// names: class, return, returns, source, time, z
     #[arg(long, value_name = "WHAT", default_value = "auto", value_parser = values::named::<ColorBy>(ColorBy::names), hide_possible_values = true)]
     color_by: ColorBy,
     /// Values that have the first and the last colour, in the attribute's unit; by default from the points

@@ -15,8 +15,8 @@ use super::{
 };
 use crate::{
     render::{
-        Backend, CameraError, CpuBackend, FrameReport, FrameRequest, GpuBackend, Pick, PickAt, Picture, Progressive,
-        RasterChoice, RenderError, Sheet, overlay,
+        Backend, CameraError, CpuBackend, FrameReport, FrameRequest, GpuBackend, Look, Pick, PickAt, Picture,
+        Progressive, RasterChoice, RenderError, Sheet, overlay,
     },
     scene::{PointBatch, SceneFacts},
     source::{self, Event, OpenOptions, SourceError, SourceReport, Stream},
@@ -48,6 +48,13 @@ pub fn render(settings: &Settings) -> Result<Report, HeadlessError> {
     run.decorate(&mut picture)?;
     run.seconds.to_picture = Some(run.now());
     run.report.points_shown = run.progressive.wait_for_points_shown()?;
+    if run.report.points_shown == Some(0) && run.progressive.points_stored() > 0 {
+        let Look { filter, clip, .. } = &settings.look;
+        let set = [!filter.clauses.is_empty(), clip.bounds.is_some(), clip.slab.is_some()];
+        let set = ["--filter", "--clip", "--slab"].into_iter().zip(set).filter(|(_, is_set)| *is_set);
+        let set = set.map(|(option, _)| option).collect::<Vec<_>>().join(" and ");
+        run.report.notes.push(format!("no point is shown: {set} left none"));
+    }
     let report = run.into_report(last_frame, &picture);
     write_outputs(settings, &report, &picture)?;
     Ok(report)
@@ -330,6 +337,7 @@ impl<'a> Run<'a> {
             report.points_missing = Some(left_out);
             report.notes.push(format!("memory ran out: {} points are not in the picture", grouped(left_out)));
         }
+        report.notes.extend(self.progressive.colorless_files());
         report.batches = self.progressive.insertions();
         report.converged = converged;
         report.grid = self.facts.as_ref().map(|facts| facts.grid);

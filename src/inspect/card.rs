@@ -1,9 +1,9 @@
 //! A record for people: a few lines of a name and a text each.
 
 use super::{
-    decimal::{shortest, shortest_f32},
     fields::hex,
     record::{ExtraValue, PointRecord, WavePacket},
+    shortest, shortest_f32,
 };
 use crate::{render::ClassTable, scene::ExtraKind};
 

@@ -3,8 +3,8 @@
 use std::fmt::Write;
 
 use super::{
-    decimal::{shortest, shortest_f32},
     record::{ExtraValue, PointRecord},
+    shortest, shortest_f32,
 };
 use crate::render::ClassTable;
 

@@ -1,7 +1,7 @@
 //! Distances between points, in the unit of their coordinates: differences of whole grid steps, so that nothing is lost
 //! to large coordinates.
 
-use super::decimal::{Decimal, scaled};
+use super::{Decimal, scaled};
 use crate::scene::{Grid, SceneFacts, Unit};
 
 /// Measures on a scene's grid.

@@ -8,18 +8,16 @@
 //! record     a record's fields, from its bytes
 //! fields     the same as named values: JSON, CSV
 //! card       the same for people
-//! decimal    exact decimal numbers
 //! measure    distances, lengths and areas
 //! ```
 
 mod card;
-mod decimal;
 mod fields;
 mod measure;
 mod record;
 
+pub use crate::scene::{Decimal, scaled, shortest, shortest_f32};
 pub use card::lines;
-pub use decimal::{Decimal, scaled, shortest, shortest_f32};
 pub use fields::{Field, Value, csv_header, csv_row, json};
 pub use measure::{Distance, Polyline, Ruler};
 pub use record::{ExtraValue, Flags, PointRecord, WavePacket};

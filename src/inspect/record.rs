@@ -5,7 +5,7 @@ use std::{
     sync::atomic::AtomicBool,
 };
 
-use super::decimal::{Decimal, scaled, shortest, shortest_f32};
+use super::{Decimal, scaled, shortest, shortest_f32};
 use crate::{
     scene::{Attributes, ExtraDimension, ExtraKind, GpsClock, Number, SceneFacts, WAVE_PACKET_BYTES},
     source::{

@@ -34,12 +34,20 @@ impl Keys<'_> {
 /// How the keys of a column become colours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Lookup {
-    /// Small keys: the value's lower eight bits are the number of a colour.
+    /// Small keys: see [`table_index`].
     Table,
     /// Small keys: the last threshold reached is.
     Small,
     /// The same with wide keys.
     Wide,
+}
+
+/// Which of 256 colours a whole number of 16 bits has that is only to be told apart: up to 255 its own, and numbers 256
+/// apart, such as the ids of flight lines may be, do not share one: they are 61 steps of
+/// the palette apart, whose hues differ by 0.7 of a turn. Twin of `by_table` in `shaders/column.wgsl`.
+pub fn table_index(value: u16) -> usize {
+    let value = usize::from(value);
+    (value + 61 * (value >> 8)) & 255
 }
 
 /// The colours of a column.
@@ -58,10 +66,25 @@ impl ColumnColors {
     /// Red, green, blue of a key that is not 0. Twin of `shaders/column.wgsl`.
     pub fn color(&self, key: u64) -> [u8; 3] {
         let at = match self.lookup {
-            Lookup::Table => (key - 1) as usize & 255,
+            Lookup::Table => table_index((key - 1) as u16),
             Lookup::Small | Lookup::Wide => level(&self.thresholds, key),
         };
         let [r, g, b, _] = self.colors[at];
         [r, g, b]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_256_apart_have_different_colours() {
+        assert!((0..256).all(|value| table_index(value) == usize::from(value)), "classes have their own");
+        for low in [0, 1, 17, 255] {
+            let mut found: Vec<usize> = (0..256).map(|high| table_index(256 * high + low)).collect();
+            found.sort_unstable();
+            assert_eq!(found, (0..256).collect::<Vec<_>>());
+        }
     }
 }

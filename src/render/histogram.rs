@@ -4,7 +4,7 @@
 //! threads. Whole numbers of 16 bits are counted each. Others fall into bins whose width is a power of two, and whose
 //! borders are multiples of it: where the range outgrows them, two bins become one, exactly.
 
-use super::scale::value_of;
+use crate::scene::{ColorStats, INTENSITY_BINS, intensity_of_bin, last_of_bin};
 
 /// Bins of numbers that are not counted each.
 pub const BINS: usize = 16_384;
@@ -12,9 +12,54 @@ pub const BINS: usize = 16_384;
 /// Counts of an attribute's values so far.
 #[derive(Debug, Clone)]
 pub enum AttributeStats {
-    /// Of each whole number from 0 to 65,535.
+    /// Of each whole number from 0 on, 65,535 at most.
     Counted(Box<[u64]>),
     Binned(Histogram),
+    Intensities(SampledIntensities),
+}
+
+/// A sample of intensities, of which the smallest and the largest are known.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SampledIntensities {
+    /// By [`intensity_bin`](crate::scene::intensity_bin).
+    counts: Vec<u64>,
+    extent: [u16; 2],
+}
+
+impl SampledIntensities {
+    /// Of files whose points say this; `None` if no intensity was read.
+    pub fn new(stats: &[ColorStats]) -> Option<SampledIntensities> {
+        let mut all = ColorStats::default();
+        let mut counts = vec![0; INTENSITY_BINS];
+        for stats in stats {
+            all.intensity_min = all.intensity_min.min(stats.intensity_min);
+            all.intensity_max = all.intensity_max.max(stats.intensity_max);
+            counts.iter_mut().zip(stats.intensity.iter()).for_each(|(sum, &n)| *sum += u64::from(n));
+        }
+        let extent = [all.intensity_min, all.intensity_max];
+        (extent[0] <= extent[1]).then_some(SampledIntensities { counts, extent })
+    }
+
+    fn clipped(&self, clip_percent: f64) -> Option<[f64; 2]> {
+        let [least, most] = self.extent;
+        let [low, high] = match clip_percent {
+            0.0 => self.extent,
+            _ => {
+                let [low, high] = clipped_bins(&self.counts, clip_percent)?;
+                [intensity_of_bin(low).clamp(least, most), last_of_bin(high).clamp(least, most)]
+            }
+        };
+        Some([low.into(), high.into()])
+    }
+
+    /// The middle of each bin, and its count.
+    fn each(&self, mut count: impl FnMut(f64, u64)) {
+        let [least, most] = self.extent.map(f64::from);
+        for (bin, &n) in self.counts.iter().enumerate() {
+            let middle = f64::midpoint(intensity_of_bin(bin).into(), last_of_bin(bin).into());
+            count(middle.clamp(least, most), n);
+        }
+    }
 }
 
 impl AttributeStats {
@@ -32,6 +77,7 @@ impl AttributeStats {
         match self {
             AttributeStats::Counted(counts) => counts.iter().sum(),
             AttributeStats::Binned(histogram) => histogram.total,
+            AttributeStats::Intensities(sample) => sample.counts.iter().sum(),
         }
     }
 
@@ -44,6 +90,7 @@ impl AttributeStats {
                 Some([low as f64, high as f64])
             }
             AttributeStats::Binned(histogram) => histogram.extent(),
+            AttributeStats::Intensities(sample) => Some(sample.extent.map(f64::from)),
         }
     }
 
@@ -56,6 +103,7 @@ impl AttributeStats {
                 Some([low as f64, high as f64])
             }
             AttributeStats::Binned(histogram) => histogram.clipped(clip_percent),
+            AttributeStats::Intensities(sample) => sample.clipped(clip_percent),
         }
     }
 
@@ -71,6 +119,7 @@ impl AttributeStats {
         match self {
             AttributeStats::Counted(counts) => counts.iter().enumerate().for_each(|(v, &n)| count(v as f64, n)),
             AttributeStats::Binned(histogram) => histogram.each(count),
+            AttributeStats::Intensities(sample) => sample.each(count),
         }
         parts
     }
@@ -81,7 +130,7 @@ impl AttributeStats {
             AttributeStats::Counted(counts) => {
                 (0..=u16::MAX).zip(counts.iter().copied()).filter(|&(_, n)| n > 0).collect()
             }
-            AttributeStats::Binned(_) => Vec::new(),
+            AttributeStats::Binned(_) | AttributeStats::Intensities(_) => Vec::new(),
         }
     }
 
@@ -96,10 +145,10 @@ impl AttributeStats {
         }
     }
 
-    /// Counts values by their wide keys.
-    pub fn add_wide(&mut self, keys: &[u64]) {
+    /// Counts values by their wide keys, which mean these values.
+    pub fn add_wide(&mut self, keys: &[u64], value: impl Fn(u64) -> Option<f64>) {
         if let AttributeStats::Binned(histogram) = self {
-            histogram.add(|| keys.iter().filter_map(|&key| value_of(key)));
+            histogram.add(|| keys.iter().filter_map(|&key| value(key)));
         }
     }
 }
@@ -163,6 +212,14 @@ impl Histogram {
         (self.total > 0).then_some([self.min, self.max])
     }
 
+    /// The same counts of numbers that, as is known otherwise, lie between these, both among them.
+    pub fn between(mut self, min: f64, max: f64) -> Histogram {
+        if self.total > 0 {
+            self.widen(min.min(self.min), max.max(self.max));
+        }
+        self
+    }
+
     /// Counts numbers, which are gone through twice; infinite ones are left out.
     pub fn add<I: Iterator<Item = f64>>(&mut self, values: impl Fn() -> I) {
         let finite = || values().filter(|value| value.is_finite());
@@ -218,12 +275,15 @@ impl Histogram {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::scale::key_of;
+    use crate::{
+        render::scale::{key_of, value_of},
+        scene::intensity_bin,
+    };
 
     fn binned(values: &[f64], piece: usize) -> AttributeStats {
         let mut stats = AttributeStats::new(false);
         for piece in values.chunks(piece) {
-            stats.add_wide(&piece.iter().map(|&v| key_of(v)).collect::<Vec<_>>());
+            stats.add_wide(&piece.iter().map(|&v| key_of(v)).collect::<Vec<_>>(), value_of);
         }
         stats
     }
@@ -286,6 +346,33 @@ mod tests {
         assert_eq!((stats.total(), stats.extent()), (996, Some([0.0, 65_535.0])));
         assert_eq!(stats.clipped(1.0), Some([0.0, 2.0]));
         assert_eq!(AttributeStats::new(true).clipped(1.0), None);
+    }
+
+    #[test]
+    fn a_sample_of_intensities_ends_where_the_points_do() {
+        let mut stats = ColorStats { intensity_min: 3, intensity_max: 60_001, ..Default::default() };
+        for value in (100..50_000).step_by(100) {
+            stats.intensity[intensity_bin(value)] += 1;
+        }
+        let dark = ColorStats { intensity_min: 7, intensity_max: 90, ..Default::default() };
+        let sample = AttributeStats::Intensities(
+            SampledIntensities::new(&[dark, stats, ColorStats::default()]).expect("intensities"),
+        );
+        assert_eq!((sample.total(), sample.extent()), (499, Some([3.0, 60_001.0])));
+        assert_eq!(sample.clipped(0.0), sample.extent());
+        // The fifth from either end, to the ends of their bins.
+        assert_eq!(sample.clipped(1.0), Some([496.0, 51_199.0]));
+        assert_eq!(sample.bins([0.0, 65_536.0], 2).iter().sum::<u64>(), 499);
+        assert_eq!(SampledIntensities::new(&[ColorStats::default()]), None);
+    }
+
+    #[test]
+    fn known_ends_are_the_extent_of_a_sample() {
+        let AttributeStats::Binned(sample) = binned(&[5.0, 6.0, 7.0, 7.0], 4) else { unreachable!() };
+        let wider = sample.clone().between(-1e6, 9.0);
+        assert_eq!((wider.extent(), wider.total), (Some([-1e6, 9.0]), 4));
+        assert_eq!(sample.clone().between(6.0, 6.5).extent(), sample.extent());
+        assert_eq!(Histogram::default().between(1.0, 2.0).extent(), None);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! A batch's values as the keys of a column.
 
-use super::{column::Keys, scale::key_of};
-use crate::scene::{Attribute, FileFacts, Grid, PointBatch};
+use super::{column::Keys, scale::key_of, wide::WideKeys};
+use crate::scene::{Attribute, FileFacts, Grid, PointBatch, Scaled};
 
 /// Keys of a batch, one per point; the memory is used again.
 #[derive(Debug, Default)]
@@ -19,6 +19,7 @@ impl KeyBuffer {
         batch: &PointBatch,
         file: &FileFacts,
         grid: &Grid,
+        wide: &WideKeys,
     ) -> Option<Keys<'_>> {
         let a = &batch.attributes;
         match attribute {
@@ -26,21 +27,20 @@ impl KeyBuffer {
             Attribute::Classification => self.small(a.classification.iter().map(|&v| v.into())),
             Attribute::ReturnNumber => self.small(a.returns.iter().map(|&v| (v & 15).into())),
             Attribute::NumberOfReturns => self.small(a.returns.iter().map(|&v| (v >> 4).into())),
+            Attribute::LastReturn => self.small(a.returns.iter().map(|&v| u32::from(v & 15 == v >> 4))),
             Attribute::PointSource => self.small(a.point_source.iter().map(|&v| v.into())),
             Attribute::UserData => self.small(a.user_data.iter().map(|&v| v.into())),
             Attribute::File => self.small(batch.records.iter().map(|_| batch.file)),
             Attribute::Elevation => self.wide(batch.positions.iter().map(|p| key_of(grid.world(*p)[2]))),
             Attribute::ScanAngle => {
-                let step = file.record.scan_angle_step;
-                self.wide(a.scan_angle.iter().map(|&v| key_of(f64::from(v) * step)))
+                let degrees = Scaled::new(file.record.scan_angle_step, 0.0)?;
+                self.wide(a.scan_angle.iter().map(|&v| key_of(degrees.nearest(v.into()))))
             }
             Attribute::GpsTime => self.wide(a.gps_time.iter().map(|&v| key_of(v))),
             Attribute::Extra(name) => {
-                let dimension = file.record.extra_dimensions.iter().find(|d| d.name == *name)?;
-                // Bytes without a meaning have no value, whatever they are.
+                let key = wide.of_extra(file, name)?;
                 let points = if a.extra.is_empty() { 0 } else { batch.len() };
-                let value = |i| dimension.value(a.extra_of(i, file.record.extra_bytes));
-                self.wide((0..points).map(|i| value(i).map_or(0, key_of)))
+                self.wide((0..points).map(|i| key(a.extra_of(i, file.record.extra_bytes))))
             }
         }
     }
@@ -61,7 +61,7 @@ impl KeyBuffer {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Attributes, ExtraDimension, ExtraKind, Number, RecordFacts};
+    use crate::scene::{Attributes, ExtraDimension, ExtraKind, Number, RecordFacts, SceneFacts};
 
     fn file() -> FileFacts {
         let height = ExtraDimension {
@@ -112,27 +112,51 @@ mod tests {
     fn keys_are_those_of_the_attributes_values() {
         let (file, batch) = (file(), batch());
         let grid = Grid { scale: [0.001; 3], origin: [0.0, 0.0, -12.5] };
+        let scene = SceneFacts { grid, bounds: Default::default(), files: vec![file.clone()], warnings: Vec::new() };
+        let value = |attribute: &Attribute, i: usize| {
+            let a = &batch.attributes;
+            Some(match attribute {
+                Attribute::Intensity => batch.colors[i][3].into(),
+                Attribute::Elevation => grid.world(batch.positions[i])[2],
+                Attribute::Classification => a.classification[i].into(),
+                Attribute::ReturnNumber => (a.returns[i] % 16).into(),
+                Attribute::NumberOfReturns => (a.returns[i] / 16).into(),
+                Attribute::LastReturn => u8::from(a.returns[i] % 16 == a.returns[i] / 16).into(),
+                Attribute::PointSource => a.point_source[i].into(),
+                Attribute::UserData => a.user_data[i].into(),
+                Attribute::ScanAngle => f64::from(6 * i32::from(a.scan_angle[i])) / 1000.0,
+                Attribute::GpsTime if i == 7 => return None,
+                Attribute::GpsTime => a.gps_time[i],
+                Attribute::File => 4.0,
+                Attribute::Extra(_) if i == 3 => return None,
+                Attribute::Extra(_) => f64::from(i as i32 + 512 - 300) / 100.0,
+            })
+        };
         let mut buffer = KeyBuffer::default();
-        let mut without = 0;
         let extra = Attribute::Extra("height".into());
         for attribute in Attribute::NAMED.into_iter().map(|(_, a)| a).chain([extra]) {
-            let keys = buffer.fill(&attribute, &batch, &file, &grid).expect("values");
+            let wide = WideKeys::new(&attribute, &scene);
+            let keys = buffer.fill(&attribute, &batch, &file, &grid, &wide).expect("values");
             assert_eq!(keys.len(), batch.len());
             for i in 0..batch.len() {
-                let value = attribute.value(&batch, i, &file, &grid);
-                without += usize::from(value.is_none());
-                match keys {
-                    Keys::Small(keys) => assert!(attribute.is_small() && Some(f64::from(keys[i]) - 1.0) == value),
-                    Keys::Wide(keys) => assert!(!attribute.is_small() && keys[i] == value.map_or(0, key_of)),
-                }
+                let found = match keys {
+                    Keys::Small(keys) => Some(f64::from(keys[i]) - 1.0),
+                    Keys::Wide(keys) => wide.value(keys[i]),
+                };
+                assert_eq!(found, value(&attribute, i), "{attribute} of {i}");
+                assert_eq!(attribute.is_small(), matches!(keys, Keys::Small(_)));
             }
         }
-        assert_eq!(without, 2, "the time that is no number, and the height that is no data");
-        let other = Attribute::Extra("width".into());
-        assert_eq!(buffer.fill(&other, &batch, &file, &grid), None);
-        let empty = PointBatch { attributes: Box::default(), ..batch };
+        let mut keys_of = |attribute: Attribute, batch: &PointBatch| {
+            buffer.fill(&attribute, batch, &file, &grid, &WideKeys::new(&attribute, &scene)).is_some()
+        };
+        assert!(!keys_of(Attribute::Extra("width".into()), &batch));
+        let empty = PointBatch { attributes: Box::default(), ..batch.clone() };
         for attribute in [Attribute::GpsTime, Attribute::Classification, Attribute::Extra("height".into())] {
-            assert_eq!(buffer.fill(&attribute, &empty, &file, &grid), None, "{attribute} was not read");
+            assert!(
+                keys_of(attribute.clone(), &batch) && !keys_of(attribute.clone(), &empty),
+                "{attribute} was not read"
+            );
         }
     }
 }

@@ -111,6 +111,7 @@ pub fn classes(
         Attribute::File => scene.files.get(usize::from(value)).map_or_else(String::new, |file| {
             file.path.file_name().unwrap_or(file.path.as_os_str()).to_string_lossy().into_owned()
         }),
+        Attribute::LastReturn => if value == 1 { "last" } else { "not last" }.into(),
         _ => value.to_string(),
     };
     let class = |&(value, points): &(u16, u64)| LegendClass { value, name: name(value), color: color(value), points };

@@ -41,6 +41,7 @@ mod selection;
 mod shading;
 mod values;
 mod view;
+mod wide;
 
 pub use crate::device::{PassTimes, Passes, Raster, RenderError};
 pub use backend::{Averaging, Backend, BackendInfo, FramePlan, Picture, Shading, Sums};
@@ -54,15 +55,16 @@ pub use color::{FileColor, NO_DATA, PointColors, elevation_ramp};
 pub use coloring::{
     CLIP_PERCENT, Class, ClassTable, ColorBy, ColorMap, Coloring, Tone, UnknownColor, UnknownMap, palette,
 };
-pub use column::{ColumnColors, ColumnId, Keys, Lookup};
+pub use column::{ColumnColors, ColumnId, Keys, Lookup, table_index};
 pub use cpu::{CpuBackend, list_visible};
 pub use decor::{Align, Decor, Label, Line, Overlay, Plate, Sheet, overlay};
 pub use filter::{
-    Clause, ClauseError, Clip, ClipBox, ClipError, Filter, Key, MaskRules, Place, Slab, Test, Values, ValuesError,
+    Border, Clause, ClauseError, Clip, ClipBox, ClipError, Filter, Key, MaskRules, Place, Ranges, RangesError, Slab,
+    Test,
 };
 pub use frame::{FrameReport, FrameRequest, INSERTION_POINTS, Reprojection, StoreOptions};
 pub use gpu::{ColorTablesUniform, ColumnScaleUniform, GpuBackend, PickWords, ShadingUniform};
-pub use histogram::{AttributeStats, Histogram};
+pub use histogram::{AttributeStats, Histogram, SampledIntensities};
 pub use holes::{MASK as HOLE_MASK, REACH as HOLE_REACH, source as hole_source};
 pub use legend::{Legend, LegendClass, LegendKey, Tick};
 pub use lens::Lens;

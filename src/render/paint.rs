@@ -17,8 +17,9 @@ pub fn point_colors(coloring: &Coloring, scene: &SceneFacts, stats: &[ColorStats
     let tone = &coloring.tone;
     let toned = |rule: FileColor| if tone.is_neutral() { rule } else { rule.toned() };
     let rgb_thresholds = || if tone.is_neutral() { [u32::MAX; 256] } else { tone.thresholds() };
-    let levels = tone.levels();
-    let tint = |[r, g, b]: [u8; 3]| [r, g, b].map(|c| levels[usize::from(c)]);
+    // Thousands of powers, which a neutral tone does not need.
+    let levels = (!tone.is_neutral()).then(|| tone.levels());
+    let tint = |color: [u8; 3]| levels.as_ref().map_or(color, |levels| color.map(|c| levels[usize::from(c)]));
     let tinted = |colors: [[u8; 4]; 256]| {
         colors.map(|[r, g, b, a]| {
             let [r, g, b] = tint([r, g, b]);
@@ -62,7 +63,7 @@ pub fn point_colors(coloring: &Coloring, scene: &SceneFacts, stats: &[ColorStats
                 } else if attribute.is_small() {
                     (Lookup::Small, scale().small_thresholds().map(u64::from), map())
                 } else {
-                    (Lookup::Wide, scale().wide_thresholds(), map())
+                    (Lookup::Wide, values.wide_thresholds(attribute, coloring.range, &scale()), map())
                 };
                 ColumnColors { column, lookup, thresholds, colors, version }
             });
@@ -71,7 +72,7 @@ pub fn point_colors(coloring: &Coloring, scene: &SceneFacts, stats: &[ColorStats
     }
 }
 
-/// The colours of an attribute that is told apart, by the lower eight bits of its values.
+/// The colours of an attribute that is told apart, by [`table_index`](super::column::table_index).
 fn table(coloring: &Coloring, attribute: &Attribute) -> [[u8; 4]; 256] {
     std::array::from_fn(|value| {
         let [r, g, b] = match attribute {

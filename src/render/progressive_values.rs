@@ -6,7 +6,7 @@ use super::{
     Backend, Progressive,
     color::{FileColor, NO_DATA},
     coloring::{ColorBy, Coloring},
-    column::ColumnId,
+    column::{ColumnId, table_index},
     histogram::AttributeStats,
     legend::{self, Legend, LegendKey},
     paint,
@@ -14,7 +14,7 @@ use super::{
 };
 use crate::{
     device::RenderError,
-    scene::{Attribute, PointBatch},
+    scene::{Attribute, ColorStats, FileFacts, PointBatch},
 };
 
 impl<B: Backend> Progressive<B> {
@@ -94,8 +94,8 @@ impl<B: Backend> Progressive<B> {
     }
 
     /// How an attribute's values are spread so far, if it is known: what a histogram and an automatic range are made
-    /// of. Elevations are in steps of the scene's grid. Of elevations of large scenes, and of intensities, a sample
-    /// is counted.
+    /// of. Elevations are in steps of the scene's grid. Of elevations of large scenes, and of intensities that came with
+    /// the points, a sample is counted; the least and the largest are those of all points.
     pub fn stats(&self, attribute: &Attribute) -> Option<AttributeStats> {
         self.values.stats(attribute, &self.stats)
     }
@@ -124,6 +124,20 @@ impl<B: Backend> Progressive<B> {
         }
     }
 
+    /// The files that are coloured by RGB, which they have, and of which all points so far have none but zeros; one
+    /// line each.
+    pub fn colorless_files(&self) -> Vec<String> {
+        let files = self.scene.iter().flat_map(|scene| scene.files.iter().zip(&self.stats));
+        let has_points = |stats: &ColorStats| stats.z_min <= stats.z_max;
+        let is_colorless = |(file, stats): &(&FileFacts, &ColorStats)| {
+            self.coloring.by == ColorBy::Rgb && ColorBy::Rgb.is_in(file) && stats.rgb_max == 0 && has_points(stats)
+        };
+        let line = |(file, _): (&FileFacts, _)| {
+            format!("{}: red, green and blue of all points are 0: they are grey", file.path.display())
+        };
+        files.filter(is_colorless).map(line).collect()
+    }
+
     /// What the colours mean; `None` for RGB, for automatic colours, which differ from file to file, and as long as
     /// there are no values.
     pub fn legend(&self) -> Option<Legend> {
@@ -135,7 +149,7 @@ impl<B: Backend> Progressive<B> {
             let table = colors.column.as_ref().map(|column| column.colors);
             let color = |value: u16| match (attribute, &table) {
                 (Attribute::File, _) => colors.files.get(usize::from(value)).map_or(NO_DATA, FileColor::constant_color),
-                (_, Some(table)) => rgb(table[usize::from(value) & 255]),
+                (_, Some(table)) => rgb(table[table_index(value)]),
                 _ => NO_DATA,
             };
             LegendKey::Classes(legend::classes(&self.coloring, attribute, &self.counts(attribute), color, scene))

@@ -69,6 +69,16 @@ impl Scale {
 
     /// The smallest value of each colour; that of the first is any.
     fn values(&self) -> [f64; 256] {
+        let beyond = self.beyond_low();
+        std::array::from_fn(|level| match level {
+            0 => f64::NEG_INFINITY,
+            _ if self.high <= self.low && beyond[level] > 0.0 => self.low.next_up(),
+            _ => self.low + beyond[level],
+        })
+    }
+
+    /// By how much the smallest value of each colour is beyond `low`; that of the first says nothing.
+    pub fn beyond_low(&self) -> [f64; 256] {
         std::array::from_fn(|level| {
             // A colour is that of the values nearest to its own.
             let place = (level as f64 - 0.5) / 255.0;
@@ -77,11 +87,10 @@ impl Scale {
                 Transfer::Root => place * place,
             };
             match level {
-                0 => f64::NEG_INFINITY,
                 // All values that are shown are one: it has the middle colour.
-                1..=128 if self.high <= self.low => self.low,
-                _ if self.high <= self.low => self.low.next_up(),
-                _ => self.low + share * (self.high - self.low),
+                0..=128 if self.high <= self.low => 0.0,
+                _ if self.high <= self.low => f64::MIN_POSITIVE,
+                _ => share * (self.high - self.low),
             }
         })
     }

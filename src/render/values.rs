@@ -6,21 +6,26 @@ use super::{
     Backend,
     coloring::Coloring,
     column::{ColumnId, Keys},
-    histogram::{AttributeStats, Histogram},
+    histogram::{AttributeStats, Histogram, SampledIntensities},
     keys::KeyBuffer,
+    scale::Scale,
+    wide::WideKeys,
 };
 use crate::{
     device::RenderError,
-    scene::{Attribute, ColorStats, INTENSITY_BINS, PointBatch, SceneFacts, intensity_of_bin},
+    scene::{Attribute, ColorStats, PointBatch, SAMPLED, SceneFacts, sample_of},
 };
 
 /// Elevations of so many points are counted all; of larger scenes, one in [`SAMPLED`].
 const COUNTED_POINTS: u64 = 1 << 20;
-const SAMPLED: u32 = 16;
 
 /// Values of one attribute by record.
 struct ValueColumn {
     attribute: Attribute,
+    /// What its keys mean, where they are wide.
+    wide: WideKeys,
+    /// Smallest and largest of these keys.
+    extent: Option<[u64; 2]>,
     stats: AttributeStats,
     state: State,
     /// Batches that have come.
@@ -51,8 +56,6 @@ pub struct Values {
     reading: Vec<Attribute>,
     /// The grid's third coordinate, sampled by record number.
     elevations: Histogram,
-    /// Intensities that were read besides.
-    intensities: Vec<u64>,
     buffer: KeyBuffer,
     refusal: Option<RenderError>,
 }
@@ -95,9 +98,6 @@ impl Values {
     pub fn begin_reading(&mut self, attributes: Vec<Attribute>, backend: &mut impl Backend) {
         self.stop_reading(backend);
         attributes.iter().for_each(|attribute| self.begin(attribute.clone()));
-        if attributes.contains(&Attribute::Intensity) {
-            self.intensities.clear();
-        }
         self.reading = attributes;
     }
 
@@ -146,7 +146,8 @@ impl Values {
 
     fn begin(&mut self, attribute: Attribute) {
         let stats = AttributeStats::new(attribute.is_small());
-        let column = ValueColumn { attribute, stats, state: State::Arriving, version: 0 };
+        let wide = self.scene.as_ref().map_or(WideKeys::Doubles, |scene| WideKeys::new(&attribute, scene));
+        let column = ValueColumn { attribute, wide, extent: None, stats, state: State::Arriving, version: 0 };
         match self.id(&column.attribute) {
             Some(id) => self.columns[id] = column,
             None => self.columns.push(column),
@@ -186,11 +187,6 @@ impl Values {
     /// Takes what a batch of values has.
     pub fn take_values(&mut self, batch: &PointBatch, backend: &mut impl Backend, coloring: &Coloring) {
         for attribute in self.reading.clone() {
-            if attribute == Attribute::Intensity {
-                self.intensities.resize(INTENSITY_BINS, 0);
-                let counts = self.intensities.iter_mut().zip(batch.stats.intensity.iter());
-                counts.for_each(|(sum, &n)| *sum += u64::from(n));
-            }
             self.take(&attribute, batch, backend, coloring);
         }
     }
@@ -202,12 +198,18 @@ impl Values {
             return;
         }
         let mut buffer = std::mem::take(&mut self.buffer);
-        if let Some(keys) = buffer.fill(attribute, batch, file, &scene.grid) {
+        let column = &mut self.columns[id];
+        if let Some(keys) = buffer.fill(attribute, batch, file, &scene.grid, &column.wide) {
             match keys {
-                Keys::Small(keys) => self.columns[id].stats.add_small(keys),
-                Keys::Wide(keys) => self.columns[id].stats.add_wide(keys),
+                Keys::Small(keys) => column.stats.add_small(keys),
+                Keys::Wide(keys) => {
+                    column.stats.add_wide(keys, |key| column.wide.value(key));
+                    let known =
+                        || keys.iter().copied().filter(|&key| key != 0).chain(column.extent.into_iter().flatten());
+                    column.extent = known().min().zip(known().max()).map(|(low, high)| [low, high]);
+                }
             }
-            self.columns[id].version += 1;
+            column.version += 1;
             let filled = backend.fill_column(id, &batch.records, keys).or_else(|_| {
                 // What nothing is coloured by makes room.
                 let shown = coloring.by.attribute().and_then(|attribute| self.id(attribute));
@@ -261,17 +263,19 @@ impl Values {
     /// without looking at the records in between.
     fn sample_elevations(&mut self, batch: &PointBatch) {
         let Some(scene) = &self.scene else { return };
-        let every = if scene.points_in_header() > COUNTED_POINTS { SAMPLED } else { 1 };
+        if scene.points_in_header() <= COUNTED_POINTS {
+            return self.elevations.add(|| batch.positions.iter().map(|position| f64::from(position[2])));
+        }
         let samples = || {
             let mut i = 0;
             std::iter::from_fn(move || {
                 while let Some(&record) = batch.records.get(i) {
-                    let at = i;
-                    let to_next = every - record % every;
-                    let jumped = i + to_next as usize;
-                    let is_run = batch.records.get(jumped).is_some_and(|&next| next == record.wrapping_add(to_next));
-                    i = if is_run { jumped } else { i + 1 };
-                    if record % every == 0 {
+                    let row = record / SAMPLED;
+                    let sample = [row, row + 1].map(sample_of).into_iter().find(|&sample| sample >= record)?;
+                    let at = i + (sample - record) as usize;
+                    let is_run = batch.records.get(at) == Some(&sample);
+                    i = if is_run { at + 1 } else { i + 1 };
+                    if is_run {
                         return Some(f64::from(batch.positions[at][2]));
                     }
                 }
@@ -282,36 +286,35 @@ impl Values {
     }
 
     /// How an attribute's values are spread, as far as they are known; `stats` are those of the files' points. Of
-    /// elevation and intensity a sample is counted, of intensity by some 16 bins per power of two.
+    /// elevations of large scenes and of intensities that came with the points, a sample is counted.
     pub fn stats(&self, attribute: &Attribute, stats: &[ColorStats]) -> Option<AttributeStats> {
-        let scene = self.scene.as_ref()?;
         match attribute {
-            Attribute::Elevation => Some(AttributeStats::Binned(self.elevations.clone())),
-            Attribute::Intensity => {
-                let mut counts = vec![0; 1 << 16].into_boxed_slice();
-                let own = stats.iter().flat_map(|stats| stats.intensity.iter().map(|&n| u64::from(n)).enumerate());
-                for (bin, n) in own.chain(self.intensities.iter().copied().enumerate()) {
-                    counts[usize::from(intensity_of_bin(bin))] += n;
-                }
-                Some(AttributeStats::Counted(counts))
+            Attribute::Elevation => {
+                let [low, high] = z_extent(stats)?;
+                Some(AttributeStats::Binned(self.elevations.clone().between(low, high)))
+            }
+            Attribute::Intensity if self.column_of(attribute).is_none() => {
+                SampledIntensities::new(stats).map(AttributeStats::Intensities)
             }
             Attribute::File => {
-                let mut counts = vec![0; 1 << 16].into_boxed_slice();
-                for (count, file) in counts.iter_mut().zip(&scene.files) {
-                    *count = file.points_in_header;
-                }
-                Some(AttributeStats::Counted(counts))
+                let files = &self.scene.as_ref()?.files;
+                Some(AttributeStats::Counted(files.iter().map(|file| file.points_in_header).collect()))
             }
             _ => self.column(attribute).map(|column| column.stats.clone()),
         }
     }
 
+    /// The smallest wide key of each of 256 colours; `range` is what the user set.
+    pub fn wide_thresholds(&self, attribute: &Attribute, range: Option<[f64; 2]>, scale: &Scale) -> [u64; 256] {
+        let Some(ValueColumn { wide, extent, .. }) = self.column(attribute) else { return scale.wide_thresholds() };
+        let between = extent.filter(|_| range.is_none()).and_then(|extent| wide.thresholds_between(extent));
+        between.unwrap_or_else(|| wide.thresholds(scale))
+    }
+
     /// As [`AttributeStats::counts`].
     pub fn counts(&self, attribute: &Attribute, stats: &[ColorStats]) -> Vec<(u16, u64)> {
         match attribute {
-            Attribute::Elevation | Attribute::Intensity | Attribute::File => {
-                self.stats(attribute, stats).map_or_else(Vec::new, |stats| stats.counts())
-            }
+            Attribute::File => self.stats(attribute, stats).map_or_else(Vec::new, |stats| stats.counts()),
             _ => self.column(attribute).map_or_else(Vec::new, |column| column.stats.counts()),
         }
     }
@@ -321,11 +324,84 @@ impl Values {
         match attribute {
             Attribute::Elevation => {
                 let grid = self.scene.as_ref()?.grid;
-                let steps = self.elevations.clipped(clip_percent)?;
+                let all = z_extent(stats).filter(|_| clip_percent == 0.0);
+                let steps = all.or_else(|| self.elevations.clipped(clip_percent))?;
                 Some(steps.map(|z| grid.origin[2] + grid.scale[2] * z))
             }
-            Attribute::Intensity | Attribute::File => self.stats(attribute, stats)?.clipped(clip_percent),
+            Attribute::Intensity | Attribute::File if self.column_of(attribute).is_none() => {
+                self.stats(attribute, stats)?.clipped(clip_percent)
+            }
             _ => self.column(attribute)?.stats.clipped(clip_percent),
+        }
+    }
+}
+
+/// Least and largest third coordinate of all points.
+fn z_extent(stats: &[ColorStats]) -> Option<[f64; 2]> {
+    let low = stats.iter().map(|stats| stats.z_min).min()?;
+    let high = stats.iter().map(|stats| stats.z_max).max()?;
+    (low <= high).then_some([low.into(), high.into()])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        render::CpuBackend,
+        scene::{FileFacts, Grid},
+    };
+
+    /// Lines of 64 points; every 16th record has the lowest z, and the highest is that of one point.
+    fn lines() -> PointBatch {
+        let z = |k: u32| if k == 12_345 { 99_999 } else { 10 * (k % 64) as i32 };
+        let mut batch = PointBatch { records: (0..40_000).collect(), ..Default::default() };
+        batch.positions = batch.records.iter().map(|&k| [0, 0, if k % 16 == 0 { 0 } else { z(k) }]).collect();
+        batch.colors = vec![[0, 0, 0, 500]; 40_000];
+        (batch.stats.z_min, batch.stats.z_max) = (0, 99_999);
+        (batch.stats.intensity_min, batch.stats.intensity_max) = (500, 500);
+        batch.stats.intensity[40] = 2500;
+        batch
+    }
+
+    fn values(points_in_header: u64) -> Values {
+        let file = FileFacts { points_in_header, ..Default::default() };
+        let grid = Grid { scale: [0.5; 3], origin: [0.0; 3] };
+        let scene = SceneFacts { grid, bounds: Default::default(), files: vec![file], warnings: Vec::new() };
+        Values::new(Arc::new(scene))
+    }
+
+    #[test]
+    fn the_range_of_all_elevations_is_that_of_the_points() {
+        let batch = lines();
+        for points in [40_000, 1 << 21] {
+            let mut values = values(points);
+            values.take_points(&batch, &mut CpuBackend::new(Some(1)), &Coloring::default());
+            let stats = std::slice::from_ref(&batch.stats);
+            assert_eq!(values.clipped(&Attribute::Elevation, 0.0, stats), Some([0.0, 49_999.5]));
+            assert_eq!(values.stats(&Attribute::Elevation, stats).unwrap().extent(), Some([0.0, 99_999.0]));
+            let [low, high] = values.clipped(&Attribute::Elevation, 1.0, stats).unwrap();
+            assert!(low == 0.0 && (315.0..320.0).contains(&high), "every place of a line: {low} {high}");
+            let total = values.stats(&Attribute::Elevation, stats).unwrap().total();
+            assert_eq!(total, if points > COUNTED_POINTS { 2500 } else { 40_000 });
+        }
+    }
+
+    #[test]
+    fn intensities_that_are_read_again_are_counted_once() {
+        let (batch, mut backend, coloring) = (lines(), CpuBackend::new(Some(1)), Coloring::default());
+        let stats = std::slice::from_ref(&batch.stats);
+        let mut values = values(40_000);
+        assert_eq!(values.stats(&Attribute::Intensity, stats).unwrap().total(), 2500, "the reader's sample");
+        for _ in 0..2 {
+            values.begin_reading(vec![Attribute::Intensity], &mut backend);
+            values.take_values(&batch, &mut backend, &coloring);
+            values.end_reading();
+            assert_eq!(
+                values.stats(&Attribute::Intensity, stats).unwrap().total(),
+                40_000,
+                "each point, by the column"
+            );
+            assert_eq!(values.clipped(&Attribute::Intensity, 0.0, stats), Some([500.0; 2]));
         }
     }
 }

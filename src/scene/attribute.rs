@@ -7,7 +7,7 @@ use std::{
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::{FileFacts, Grid, PointBatch};
+use super::FileFacts;
 
 /// One number per point: a field of its record, or what follows from it.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -19,6 +19,8 @@ pub enum Attribute {
     Classification,
     ReturnNumber,
     NumberOfReturns,
+    /// 1 if the return is the last of its pulse: if its number is the number of returns; else 0.
+    LastReturn,
     PointSource,
     UserData,
     /// Degrees.
@@ -27,18 +29,19 @@ pub enum Attribute {
     GpsTime,
     /// Index of the file in [`SceneFacts::files`](super::SceneFacts::files).
     File,
-    /// First element of the extra dimension of this name, scaled.
+    /// The extra dimension of this name, scaled; of several elements the first, or with `[1]` or `[2]` behind another.
     Extra(String),
 }
 
 impl Attribute {
     /// All but the extra dimensions, as they are typed and listed.
-    pub const NAMED: [(&'static str, Attribute); 10] = [
+    pub const NAMED: [(&'static str, Attribute); 11] = [
         ("intensity", Attribute::Intensity),
         ("elevation", Attribute::Elevation),
         ("classification", Attribute::Classification),
         ("return-number", Attribute::ReturnNumber),
         ("number-of-returns", Attribute::NumberOfReturns),
+        ("last-return", Attribute::LastReturn),
         ("point-source", Attribute::PointSource),
         ("user-data", Attribute::UserData),
         ("scan-angle", Attribute::ScanAngle),
@@ -46,10 +49,20 @@ impl Attribute {
         ("file", Attribute::File),
     ];
 
+    /// Short names that are read as well.
+    pub const SHORT: [(&'static str, Attribute); 6] = [
+        ("class", Attribute::Classification),
+        ("return", Attribute::ReturnNumber),
+        ("returns", Attribute::NumberOfReturns),
+        ("source", Attribute::PointSource),
+        ("time", Attribute::GpsTime),
+        ("z", Attribute::Elevation),
+    ];
+
     /// What its numbers are names of: they are told apart, not compared.
     pub fn is_categorical(&self) -> bool {
         use Attribute::*;
-        matches!(self, Classification | ReturnNumber | NumberOfReturns | PointSource | File)
+        matches!(self, Classification | ReturnNumber | NumberOfReturns | LastReturn | PointSource | File)
     }
 
     /// True if every value is a whole number that 16 bits hold.
@@ -57,25 +70,15 @@ impl Attribute {
         self.is_categorical() || matches!(self, Attribute::Intensity | Attribute::UserData)
     }
 
-    /// The value of point `i` of a batch, which is of `file`. `None` if the file does not have the attribute, if it
-    /// was not read, if it is no number, or if the file marks it as no data.
-    pub fn value(&self, batch: &PointBatch, i: usize, file: &FileFacts, grid: &Grid) -> Option<f64> {
-        let a = &batch.attributes;
+    /// Least and largest value that a record can hold; `None` where that is any, or depends on the file.
+    pub fn limits(&self) -> Option<[f64; 2]> {
         match self {
-            Attribute::Intensity => batch.colors.get(i).map(|c| c[3].into()),
-            Attribute::Elevation => batch.positions.get(i).map(|p| grid.world(*p)[2]),
-            Attribute::Classification => a.classification.get(i).map(|&v| v.into()),
-            Attribute::ReturnNumber => a.returns.get(i).map(|&v| (v & 15).into()),
-            Attribute::NumberOfReturns => a.returns.get(i).map(|&v| (v >> 4).into()),
-            Attribute::PointSource => a.point_source.get(i).map(|&v| v.into()),
-            Attribute::UserData => a.user_data.get(i).map(|&v| v.into()),
-            Attribute::ScanAngle => a.scan_angle.get(i).map(|&v| f64::from(v) * file.record.scan_angle_step),
-            Attribute::GpsTime => a.gps_time.get(i).copied().filter(|v| !v.is_nan()),
-            Attribute::File => Some(batch.file.into()),
-            Attribute::Extra(name) => {
-                let dimension = file.record.extra_dimensions.iter().find(|d| d.name == *name)?;
-                dimension.value(a.extra_of(i, file.record.extra_bytes)).filter(|v| !v.is_nan())
-            }
+            Attribute::Classification | Attribute::UserData => Some([0.0, 255.0]),
+            Attribute::ReturnNumber | Attribute::NumberOfReturns => Some([0.0, 15.0]),
+            Attribute::LastReturn => Some([0.0, 1.0]),
+            Attribute::Intensity | Attribute::PointSource => Some([0.0, 65_535.0]),
+            Attribute::ScanAngle => Some([-180.0, 180.0]),
+            Attribute::Elevation | Attribute::GpsTime | Attribute::File | Attribute::Extra(_) => None,
         }
     }
 
@@ -84,7 +87,7 @@ impl Attribute {
         match self {
             // Formats 0 and 2 have no time; 4 is 1 with a wave packet.
             Attribute::GpsTime => !matches!(file.record.format, 0 | 2),
-            Attribute::Extra(name) => file.record.extra_dimensions.iter().any(|d| d.name == *name),
+            Attribute::Extra(name) => file.record.extra(name).is_some(),
             _ => true,
         }
     }
@@ -115,7 +118,7 @@ impl FromStr for Attribute {
         if let Some(name) = text.strip_prefix("extra:").filter(|name| !name.is_empty()) {
             return Ok(Attribute::Extra(name.to_owned()));
         }
-        let named = Attribute::NAMED.into_iter().find(|(name, _)| *name == text);
+        let named = Attribute::NAMED.into_iter().chain(Attribute::SHORT).find(|(name, _)| *name == text);
         named.map(|(_, attribute)| attribute).ok_or_else(|| UnknownAttribute(text.to_owned()))
     }
 }
@@ -142,11 +145,17 @@ mod tests {
             assert_eq!(attribute.to_string(), name);
             assert_eq!(name.parse(), Ok(attribute));
         }
+        for (name, attribute) in Attribute::SHORT {
+            assert_eq!(name.parse(), Ok(attribute));
+        }
         let extra = Attribute::Extra("Deviation: x".into());
         assert_eq!(extra.to_string().parse(), Ok(extra));
         for wrong in ["", "Intensity", "extra:", "colour"] {
             let message = wrong.parse::<Attribute>().unwrap_err().to_string();
-            assert!(message.contains("number-of-returns, point-source") && message.contains("extra:NAME"), "{message}");
+            assert!(
+                message.contains("number-of-returns, last-return, point-source") && message.contains("extra:NAME"),
+                "{message}"
+            );
         }
     }
 }

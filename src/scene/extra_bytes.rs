@@ -76,6 +76,21 @@ impl Display for Number {
 }
 
 impl ExtraKind {
+    /// The smallest and the largest number of an integer type.
+    pub fn integers(self) -> Option<[i128; 2]> {
+        Some(match self {
+            ExtraKind::U8 => [0, u8::MAX.into()],
+            ExtraKind::I8 => [i8::MIN.into(), i8::MAX.into()],
+            ExtraKind::U16 => [0, u16::MAX.into()],
+            ExtraKind::I16 => [i16::MIN.into(), i16::MAX.into()],
+            ExtraKind::U32 => [0, u32::MAX.into()],
+            ExtraKind::I32 => [i32::MIN.into(), i32::MAX.into()],
+            ExtraKind::U64 => [0, u64::MAX.into()],
+            ExtraKind::I64 => [i64::MIN.into(), i64::MAX.into()],
+            ExtraKind::Bytes(_) | ExtraKind::F32 | ExtraKind::F64 => return None,
+        })
+    }
+
     /// Bytes of one number (or of all bytes that mean nothing).
     pub fn bytes(self) -> usize {
         match self {
@@ -147,16 +162,24 @@ impl ExtraDimension {
         self.value_of(extra, 0)
     }
 
-    /// Any element's value, like [`ExtraDimension::value`].
-    pub fn value_of(&self, extra: &[u8], element: usize) -> Option<f64> {
-        let number = self.number(extra, element)?;
-        let no_data = self.no_data.as_ref().and_then(|n| n.get(element));
-        if no_data.is_some_and(|n| n.is(number)) {
-            return None;
-        }
+    /// Scale and offset of an element, if they are more than 1 and 0.
+    pub fn scaling(&self, element: usize) -> Option<(f64, f64)> {
         let of =
             |values: &Option<Vec<f64>>, default| values.as_ref().and_then(|v| v.get(element)).map_or(default, |v| *v);
-        Some(number.as_f64() * of(&self.scale, 1.0) + of(&self.offset, 0.0))
+        Some((of(&self.scale, 1.0), of(&self.offset, 0.0))).filter(|scaling| *scaling != (1.0, 0.0))
+    }
+
+    /// A number exactly as stored; `None` where [`ExtraDimension::number`] is, and for no data.
+    pub fn data(&self, extra: &[u8], element: usize) -> Option<Number> {
+        let number = self.number(extra, element)?;
+        let no_data = self.no_data.as_ref().and_then(|n| n.get(element));
+        (!no_data.is_some_and(|n| n.is(number))).then_some(number)
+    }
+
+    /// Any element's value, like [`ExtraDimension::value`]. Scaling rounds: see [`Scaled`](super::Scaled) for the digits.
+    pub fn value_of(&self, extra: &[u8], element: usize) -> Option<f64> {
+        let (scale, offset) = self.scaling(element).unwrap_or((1.0, 0.0));
+        Some(self.data(extra, element)?.as_f64() * scale + offset)
     }
 
     /// e.g. "u16", "f32 × 3", "12 bytes".

@@ -64,7 +64,7 @@ impl Fields {
             match attribute {
                 Attribute::Intensity => fields.intensity = true,
                 Attribute::Classification => fields.classification = true,
-                Attribute::ReturnNumber | Attribute::NumberOfReturns => fields.returns = true,
+                Attribute::ReturnNumber | Attribute::NumberOfReturns | Attribute::LastReturn => fields.returns = true,
                 Attribute::PointSource => fields.point_source = true,
                 Attribute::UserData => fields.user_data = true,
                 Attribute::ScanAngle => fields.scan_angle = true,

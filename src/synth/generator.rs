@@ -152,6 +152,7 @@ impl Generator {
             batch.positions.push(point.position);
             batch.colors.push([red, green, blue, point.intensity]);
             stats.rgb_max = stats.rgb_max.max(red).max(green).max(blue);
+            stats.intensity_min = stats.intensity_min.min(point.intensity);
             stats.intensity_max = stats.intensity_max.max(point.intensity);
             stats.z_min = stats.z_min.min(point.position[2]);
             stats.z_max = stats.z_max.max(point.position[2]);

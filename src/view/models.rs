@@ -21,7 +21,7 @@ use super::{
 };
 use crate::{
     headless,
-    render::{Backend, ColorBy, Coloring, Legend, Look, palette},
+    render::{Backend, ColorBy, Coloring, Legend, Look, palette, table_index},
     scene::{Attribute, FileFacts, SceneFacts},
 };
 
@@ -193,7 +193,7 @@ impl Spread {
 fn attributes(facts: &SceneFacts) -> Vec<Attribute> {
     let in_any = |attribute: &Attribute| facts.files.iter().any(|file| attribute.is_in(file));
     let named = Attribute::NAMED.into_iter().map(|(_, attribute)| attribute).filter(in_any);
-    let extra_of = |file: &FileFacts| file.record.extra_dimensions.iter().map(|d| d.name.clone()).collect::<Vec<_>>();
+    let extra_of = |file: &FileFacts| file.record.extra_names().collect::<Vec<_>>();
     let mut all: Vec<Attribute> = named.collect();
     for name in facts.files.iter().flat_map(extra_of) {
         let attribute = Attribute::Extra(name);
@@ -258,9 +258,9 @@ fn values(scene: &SceneState, attribute: &Attribute, facts: &SceneFacts, colorin
                 let name = facts.files.get(n).map(|file| scene_state::name(&file.path));
                 (name.unwrap_or_default(), coloring.file_color(n))
             }
-            Attribute::ReturnNumber => (format!("return {number}"), palette(n % 256)),
-            Attribute::NumberOfReturns => (format!("{number} returns"), palette(n % 256)),
-            _ => (number.to_string(), palette(n % 256)),
+            Attribute::ReturnNumber => (format!("return {number}"), palette(table_index(number))),
+            Attribute::NumberOfReturns => (format!("{number} returns"), palette(table_index(number))),
+            _ => (number.to_string(), palette(table_index(number))),
         };
         Value { number: number.into(), name, color, points }
     };

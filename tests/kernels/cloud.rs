@@ -132,6 +132,7 @@ impl Cloud {
             .map(|k| {
                 let c: [u16; 4] = std::array::from_fn(|c| noise(k, 4 + c as u32) as u16);
                 stats.rgb_max = stats.rgb_max.max(c[0]).max(c[1]).max(c[2]);
+                stats.intensity_min = stats.intensity_min.min(c[3]);
                 stats.intensity_max = stats.intensity_max.max(c[3]);
                 stats.intensity[intensity_bin(c[3])] += 1;
                 c

@@ -2,7 +2,7 @@
 //! floating point; whole columns and their pages, values that come late, and values that there are not.
 
 use firstlight::{
-    render::{ColorBy, ColorMap, Coloring, FrameRequest, NO_DATA, Picture, Raster, Tone, palette},
+    render::{ColorBy, ColorMap, Coloring, FrameRequest, NO_DATA, Picture, Raster, Tone, palette, table_index},
     scene::{Attribute, Attributes, ExtraDimension, ExtraKind, Number, PointBatch, RecordFacts},
 };
 
@@ -10,6 +10,7 @@ use crate::{
     backends::gpu,
     cloud::Cloud,
     convergence::{Session, covered, difference, options, request},
+    values::value,
 };
 
 /// No value for those.
@@ -25,10 +26,19 @@ pub fn with_attributes(cloud: &Cloud, range: std::ops::Range<usize>) -> PointBat
         user_data: range.clone().map(|k| (k * 13 % 256) as u8).collect(),
         point_source: range.clone().map(|k| (k * 11 % 65_536) as u16).collect(),
         gps_time: range.clone().map(|k| if k % UNTIMED == 5 { f64::NAN } else { time(k) }).collect(),
-        extra: range.flat_map(|k| ((k as i64 * 29 % 4000 - 2000) as i16).to_le_bytes()).collect(),
+        extra: range.flat_map(extra_bytes).collect(),
         ..Default::default()
     };
     batch
+}
+
+/// Of the dimensions of [`cloud`], in their order.
+fn extra_bytes(k: usize) -> Vec<u8> {
+    let height = (k as i64 * 29 % 4000 - 2000) as i16;
+    let shifted = (k as i64 * 31 % 20_000) as i32;
+    let single = 0.1 * (k % 23) as f32;
+    let id = (1i64 << 60) + (k % 11) as i64;
+    [&height.to_le_bytes()[..], &shifted.to_le_bytes(), &single.to_le_bytes(), &id.to_le_bytes()].concat()
 }
 
 /// Seconds that differ in digits which no f32 has.
@@ -50,20 +60,32 @@ pub fn cloud(points: usize) -> Cloud {
         scale: Some(vec![0.01]),
         offset: None,
     };
+    let shifted = ExtraDimension {
+        name: "shifted".into(),
+        at: 2,
+        kind: ExtraKind::I32,
+        no_data: None,
+        scale: Some(vec![0.1]),
+        offset: Some(vec![-1000.0]),
+        ..height.clone()
+    };
+    let plain = ExtraDimension { no_data: None, scale: None, ..height.clone() };
+    let single = ExtraDimension { name: "single".into(), at: 6, kind: ExtraKind::F32, ..plain.clone() };
+    let id = ExtraDimension { name: "id".into(), at: 10, kind: ExtraKind::I64, ..plain };
     cloud.facts.files[0].record = RecordFacts {
         format: 7,
         scan_angle_step: 0.006,
         has_intensities: true,
-        extra_bytes: 2,
-        extra_dimensions: vec![height],
+        extra_bytes: 18,
+        extra_dimensions: vec![height, shifted, single, id],
         ..Default::default()
     };
     cloud
 }
 
 fn all_attributes() -> Vec<Attribute> {
-    let extra = Attribute::Extra("height".into());
-    Attribute::NAMED.into_iter().map(|(_, attribute)| attribute).chain([extra]).collect()
+    let extra = ["height", "shifted", "single"].map(|name| Attribute::Extra(name.into()));
+    Attribute::NAMED.into_iter().map(|(_, attribute)| attribute).chain(extra).collect()
 }
 
 fn unlit(mut request: FrameRequest) -> FrameRequest {
@@ -76,7 +98,7 @@ pub fn expected(coloring: &Coloring, attribute: &Attribute, value: Option<f64>, 
     let Some(value) = value else { return vec![NO_DATA] };
     match attribute {
         Attribute::Classification => return vec![coloring.classes.color(value as u8)],
-        _ if attribute.is_categorical() => return vec![palette(value as usize % 256)],
+        _ if attribute.is_categorical() => return vec![palette(table_index(value as u16))],
         _ => {}
     }
     let share = ((value - low) / (high - low)).clamp(0.0, 1.0);
@@ -98,7 +120,7 @@ fn assert_colors(
     let file = &cloud.facts.files[0];
     for (&record, &[r, g, b, _]) in picture.records.iter().zip(&picture.rgba) {
         let Ok(record) = usize::try_from(record) else { continue };
-        let value = attribute.value(points, record, file, &cloud.facts.grid);
+        let value = value(attribute, points, record, file, &cloud.facts.grid);
         let colors = expected(coloring, attribute, value, range);
         assert!(
             colors.contains(&[r, g, b]),
@@ -130,8 +152,8 @@ fn every_attribute_colours_every_pixel_by_its_value() {
             let mut seen: Vec<_> = picture.rgba.iter().collect();
             seen.sort_unstable();
             seen.dedup();
-            let is_one = attribute == Attribute::File;
-            assert!(covered(&picture) > 1000 && (seen.len() > if is_one { 1 } else { 5 }), "{}", session.name);
+            let has_few = matches!(attribute, Attribute::File | Attribute::LastReturn);
+            assert!(covered(&picture) > 1000 && (seen.len() > if has_few { 1 } else { 5 }), "{}", session.name);
             // Rounding may give a pixel to another point on another device, but its colour is its record's.
             match &first {
                 Some(first) => {
@@ -300,7 +322,8 @@ fn points_without_the_attribute_are_grey() {
     let coloring = Coloring { by: Attribute::GpsTime.into(), ..Default::default() };
     let [absence] = &coloring.absences(&cloud.facts)[..] else { panic!("one line for one file") };
     let expected = "second.las has no gps-time: its points are grey; --color-by takes rgb, intensity, elevation, \
-                    classification, return-number, number-of-returns, point-source, user-data, scan-angle, file, extra:height";
+                    classification, return-number, number-of-returns, last-return, point-source, user-data, scan-angle, \
+                    file, extra:height, extra:shifted, extra:single, extra:id";
     assert_eq!(absence, expected);
     for mut session in Session::all(&cloud, options(4096)) {
         session.progressive.carry([Attribute::GpsTime]);

@@ -1,8 +1,8 @@
 //! Filters by attributes whose values are in columns: with the points, or read later and in any order.
 
 use firstlight::{
-    render::{Backend, Clip, CpuBackend, Filter, Raster},
-    scene::{Attribute, PointBatch},
+    render::{Backend, Border, Clip, CpuBackend, Filter, Raster},
+    scene::{Attribute, Decimal, PointBatch},
 };
 
 use crate::{
@@ -10,17 +10,24 @@ use crate::{
     cloud::Cloud,
     colors::{cloud, with_attributes},
     convergence::{Session, covered, options, request},
+    values::digits,
 };
 
 /// Borders are values that points have; every 37th point has no time, and some no height.
-const CASES: [&[&str]; 8] = [
+const CASES: [&[&str]; 14] = [
     &["class=2,6,9..40"],
     &["class!=0..200"],
     &["return-number=1..2", "number-of-returns!=3", "user-data=..100"],
+    &["return=last", "class!=5"],
+    &["return!=last", "returns=3.."],
     &["gps-time=302745223.0123..302745224.5001"],
     &["gps-time!=302745223.0123..302745224.5001"],
     &["scan-angle=-29.97..10.002", "point-source=1000.."],
     &["extra:height=-19.99..0.07", "intensity=..40000"],
+    &["extra:shifted=-999.9..-20.3,20.1,100.7..105.3"],
+    &["extra:single=0.1..0.3,0.7,1.1"],
+    &["extra:single!=..0.8"],
+    &["extra:id=1152921504606846977,1152921504606846980..1152921504606846982"],
     &["extra:height=..", "elevation=-1.0005..", "class!=3"],
 ];
 
@@ -30,15 +37,15 @@ fn filter(clauses: &[&str]) -> Filter {
 
 /// The definition; `is_known` says of which records values have come.
 fn shows(filter: &Filter, cloud: &Cloud, points: &PointBatch, i: usize, is_known: bool) -> bool {
-    let (file, grid) = (&cloud.facts.files[0], &cloud.facts.grid);
     filter.clauses.iter().all(|clause| {
         let in_slots = matches!(clause.attribute, Attribute::Intensity | Attribute::Elevation);
-        // As the border was typed: scaled values are rounded.
-        let value = clause.attribute.value(points, i, file, grid).map(|value| match clause.attribute {
-            Attribute::ScanAngle | Attribute::Extra(_) => (value * 1000.0).round() / 1000.0,
-            _ => value,
-        });
-        (is_known || in_slots) && value.is_some_and(|value| clause.holds(value))
+        let digits = digits(&clause.attribute, points, i, &cloud.facts.files[0], &cloud.facts.grid);
+        let is_between = |digits: &Decimal| {
+            let is_low = |low: &Border| low.as_ref().is_none_or(|low| low.compare(digits).is_le());
+            let is_high = |high: &Border| high.as_ref().is_none_or(|high| high.compare(digits).is_ge());
+            clause.values.exact().iter().any(|[low, high]| is_low(low) && is_high(high))
+        };
+        (is_known || in_slots) && digits.is_some_and(|digits| is_between(&digits) != clause.is_excluding)
     })
 }
 

@@ -24,5 +24,6 @@ mod projection;
 mod shaders;
 mod slow;
 mod twins;
+mod values;
 #[path = "../shared/wgsl.rs"]
 mod wgsl;

@@ -401,3 +401,31 @@ fn a_scan_without_points_is_an_empty_picture() {
         assert!(outputs.report["seconds"]["to_first_point"].is_null());
     }
 }
+
+#[test]
+fn pictures_without_what_was_asked_for_say_so() {
+    let bench = Bench::new();
+    let path = bench.scan("a.las", Scene::Planes, 1000);
+    let notes =
+        |args: &str| bench.render(&format!("a.las --backend cpu --size 64x48 {args}")).report["notes"].to_string();
+    for (args, note) in [
+        ("--filter user-data=255", "no point is shown: --filter left none"),
+        ("--filter class=0.. --clip 0,0,0,1,1,1", "no point is shown: --filter and --clip left none"),
+        ("--slab 0,0,0,1,0,0,1", "no point is shown: --slab left none"),
+    ] {
+        assert!(notes(args).contains(note), "{args}: {}", notes(args));
+    }
+    let grey = "a.las: red, green and blue of all points are 0";
+    assert!(!notes("--color-by rgb").contains(grey) && !notes("--filter class=0..").contains("no point is shown"));
+    let mut bytes = fs::read(&path).unwrap();
+    let rgb_at = match bytes[104] & 63 {
+        2 => 20,
+        3 => 28,
+        _ => 30,
+    };
+    let points_at = u32::from_le_bytes(bytes[96..100].try_into().unwrap()) as usize;
+    let length = usize::from(u16::from_le_bytes([bytes[105], bytes[106]]));
+    bytes[points_at..].chunks_exact_mut(length).for_each(|record| record[rgb_at..rgb_at + 6].fill(0));
+    fs::write(&path, &bytes).unwrap();
+    assert!(notes("--color-by rgb").contains(grey), "{}", notes("--color-by rgb"));
+}

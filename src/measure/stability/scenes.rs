@@ -82,6 +82,7 @@ impl Scene {
             let mut stats = ColorStats::default();
             for (position, color) in positions.iter().zip(colors) {
                 stats.rgb_max = stats.rgb_max.max(color[0]).max(color[1]).max(color[2]);
+                stats.intensity_min = stats.intensity_min.min(color[3]);
                 stats.intensity_max = stats.intensity_max.max(color[3]);
                 stats.intensity[intensity_bin(color[3])] += 1;
                 stats.z_min = stats.z_min.min(position[2]);

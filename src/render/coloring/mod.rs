@@ -89,7 +89,7 @@ impl Coloring {
 }
 
 fn absence(by: &ColorBy, file: &FileFacts) -> String {
-    let extra = file.record.extra_dimensions.iter().map(|d| ColorBy::Attribute(Attribute::Extra(d.name.clone())));
+    let extra = file.record.extra_names().map(|name| ColorBy::Attribute(Attribute::Extra(name)));
     let all = std::iter::once(ColorBy::Rgb).chain(Attribute::NAMED.map(|(_, a)| ColorBy::Attribute(a))).chain(extra);
     let has: Vec<String> = all.filter(|by| by.is_in(file)).map(|by| by.to_string()).collect();
     format!("{} has no {by}: its points are grey; --color-by takes {}", file.path.display(), has.join(", "))

@@ -2,9 +2,9 @@
 //! ([`MaskRules`]), and these one bit per slot, which is all that the geometry passes look at.
 
 mod clip;
+mod ranges;
 mod rules;
 mod steps;
-mod values;
 
 use std::{
     fmt::{self, Display, Formatter},
@@ -15,8 +15,8 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 pub use self::{
     clip::{Clip, ClipBox, ClipError, Slab},
+    ranges::{Border, Ranges, RangesError},
     rules::{Key, MaskRules, Place, Test},
-    values::{Values, ValuesError},
 };
 use crate::scene::{Attribute, FileFacts, SceneFacts, UnknownAttribute};
 
@@ -43,7 +43,7 @@ impl Filter {
     pub fn absences(&self, scene: &SceneFacts) -> Vec<String> {
         let lacks = |file: &FileFacts| {
             let clause = self.clauses.iter().find(|clause| !clause.attribute.is_in(file))?;
-            let extra = file.record.extra_dimensions.iter().map(|d| Attribute::Extra(d.name.clone()));
+            let extra = file.record.extra_names().map(Attribute::Extra);
             let all = Attribute::NAMED.into_iter().map(|(_, attribute)| attribute).chain(extra);
             let has: Vec<String> = all.filter(|a| a.is_in(file)).map(|a| a.to_string()).collect();
             let (path, has) = (file.path.display(), has.join(", "));
@@ -68,41 +68,34 @@ impl Filter {
     }
 }
 
-/// What one attribute must be. As text: `classification=2,6`, `classification!=7`, `elevation=10..55.5`; that is what
-/// `--filter` takes, and what settings hold.
+/// What one attribute must be. As text: `classification=2,6`, `classification!=7`, `elevation=10..55.5`,
+/// `return-number=last`; that is what `--filter` takes, and what settings hold.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Clause {
     pub attribute: Attribute,
     /// The values are those to hide.
     pub is_excluding: bool,
-    pub values: Values,
+    pub values: Ranges,
 }
 
-/// Names that are accepted besides the attributes' own.
-const SHORT: [(&str, Attribute); 6] = [
-    ("class", Attribute::Classification),
-    ("return", Attribute::ReturnNumber),
-    ("returns", Attribute::NumberOfReturns),
-    ("source", Attribute::PointSource),
-    ("time", Attribute::GpsTime),
-    ("z", Attribute::Elevation),
-];
+/// What a return number may be besides numbers: that of its pulse's last return.
+const LAST: &str = "last";
 
 /// Why a text is no clause.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ClauseError {
     #[error("expected ATTRIBUTE=VALUES, such as class=2,6 or class!=7 or elevation=10..55.5, found {0:?}")]
     NoValues(String),
     #[error(transparent)]
     Attribute(#[from] UnknownAttribute),
     #[error("{attribute}: {error}")]
-    Values { attribute: String, error: ValuesError },
+    Ranges { attribute: String, error: RangesError },
 }
 
 impl Clause {
     /// Shows points whose attribute is one of these numbers.
     pub fn one_of(attribute: Attribute, numbers: impl IntoIterator<Item = u32>) -> Clause {
-        Clause { attribute, is_excluding: false, values: Values::numbers(numbers) }
+        Clause { attribute, is_excluding: false, values: Ranges::numbers(numbers) }
     }
 
     /// Hides points whose attribute is one of these numbers.
@@ -112,7 +105,7 @@ impl Clause {
 
     /// Shows points whose attribute lies from `low` to `high`, both among them.
     pub fn between(attribute: Attribute, low: f64, high: f64) -> Clause {
-        Clause { attribute, is_excluding: false, values: Values::new([[low, high]]) }
+        Clause { attribute, is_excluding: false, values: Ranges::new([[low, high]]) }
     }
 
     /// Whether a value of the attribute is one to show.
@@ -124,6 +117,9 @@ impl Clause {
 impl Display for Clause {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let sign = if self.is_excluding { "!=" } else { "=" };
+        if self.attribute == Attribute::LastReturn && self.values == Ranges::numbers([1]) {
+            return write!(f, "{}{sign}{LAST}", Attribute::ReturnNumber);
+        }
         write!(f, "{}{sign}{}", self.attribute, self.values)
     }
 }
@@ -135,12 +131,15 @@ impl FromStr for Clause {
         // The name of an extra dimension may hold anything, the values cannot: the last sign divides.
         let (name, values) = text.rsplit_once('=').ok_or_else(|| ClauseError::NoValues(text.into()))?;
         let (name, is_excluding) = name.strip_suffix('!').map_or((name, false), |name| (name, true));
-        let short = SHORT.iter().find(|(short, _)| *short == name).map(|(_, attribute)| attribute.clone());
-        let attribute = short.map_or_else(|| name.parse(), Ok)?;
-        let values: Values = values
+        let attribute: Attribute = name.parse()?;
+        if attribute == Attribute::ReturnNumber && values == LAST {
+            return Ok(Clause { is_excluding, ..Clause::one_of(Attribute::LastReturn, [1]) });
+        }
+        let values = values
             .parse()
-            .and_then(|values: Values| if attribute.is_small() { values.whole() } else { Ok(values) })
-            .map_err(|error| ClauseError::Values { attribute: attribute.to_string(), error })?;
+            .and_then(|values: Ranges| if attribute.is_small() { values.whole() } else { Ok(values) })
+            .and_then(|values| attribute.limits().map_or(Ok(values.clone()), |limits| values.within(limits)))
+            .map_err(|error| ClauseError::Ranges { attribute: attribute.to_string(), error })?;
         Ok(Clause { attribute, is_excluding, values })
     }
 }
@@ -169,12 +168,17 @@ mod tests {
             ("class=6,2..5,6", "classification=2..5,6"),
             ("elevation=10..55.5", "elevation=10..55.5"),
             ("z=..-0.25", "elevation=..-0.25"),
-            ("gps-time=315964800.123456789..", "gps-time=315964800.1234568.."),
+            ("gps-time=315964800.123456789..", "gps-time=315964800.123456789.."),
             ("time=..", "gps-time=.."),
             ("return=1", "return-number=1"),
+            ("return=last", "return-number=last"),
+            ("return!=last", "return-number!=last"),
+            ("last-return=1", "return-number=last"),
+            ("last-return=0", "last-return=0"),
             ("scan-angle=-15..15", "scan-angle=-15..15"),
             ("extra:height=above=1e-3..2", "extra:height=above=0.001..2"),
             ("extra:odd!!=5", "extra:odd!!=5"),
+            ("extra:id=9007199254740993,1152921504606846977..", "extra:id=9007199254740993,1152921504606846977.."),
             ("file!=0,3", "file!=0,3"),
         ] {
             let clause: Clause = typed.parse().unwrap();
@@ -197,6 +201,14 @@ mod tests {
             ("class=2.5", "whole numbers"),
             ("elevation=9..1", "the first larger than the second"),
             ("elevation=nan", "expected a number"),
+            ("class=300", "classification: values are 0 to 255, found 300"),
+            ("class=2,6..256", "found 256"),
+            ("return=16", "return-number: values are 0 to 15, found 16"),
+            ("returns!=-1", "number-of-returns: values are 0 to 15, found -1"),
+            ("user-data=256", "0 to 255"),
+            ("source=65536", "0 to 65535"),
+            ("intensity=..65536", "0 to 65535"),
+            ("scan-angle=-180.006..", "scan-angle: values are -180 to 180, found -180.006"),
         ] {
             let message = typed.parse::<Clause>().unwrap_err().to_string();
             assert!(message.contains(hint) && !message.contains('\n'), "{typed}: {message}");

@@ -1,8 +1,8 @@
 //! A filter as integer tests on one scene, the same on every backend. Twin of `shaders/mask.wgsl`.
 
-use super::{Clause, Clip, Filter, steps, values::Values};
+use super::{Clause, Clip, Filter, Ranges, steps};
 use crate::{
-    render::{column::ColumnId, scale::key_of},
+    render::{column::ColumnId, wide::WideKeys},
     scene::{Attribute, Grid, SceneFacts},
 };
 
@@ -60,7 +60,7 @@ impl MaskRules {
         let of_clause = |clause: &Clause| of_clause(clause, scene, place(&clause.attribute));
         let mut tests: Vec<Test> = filter.clauses.iter().map(of_clause).collect();
         if let Some(b) = &clip.bounds {
-            let axis = |a: usize| of_axis(a, &scene.grid, &Values::new([[b.min[a], b.max[a]]]));
+            let axis = |a: usize| of_axis(a, &scene.grid, &Ranges::new([[b.min[a], b.max[a]]]));
             if b.degrees % 360.0 == 0.0 {
                 tests.extend([axis(0), axis(1)]);
             } else {
@@ -142,7 +142,7 @@ fn of_plane(plane: &steps::Plane) -> Test {
     test(Key::Plane(plane.a), ranges([[plane.low, plane.high]], plane_key))
 }
 
-fn of_axis(axis: usize, grid: &Grid, values: &Values) -> Test {
+fn of_axis(axis: usize, grid: &Grid, values: &Ranges) -> Test {
     let all = [i64::from(i32::MIN), i64::from(i32::MAX)];
     let within = |&[low, high]: &[f64; 2]| {
         let [low, high] = steps::axis(grid, axis, low, high);
@@ -186,22 +186,11 @@ fn others(ranges: &[[u64; 2]], first: u64, last: u64) -> Vec<[u64; 2]> {
 }
 
 /// Whole numbers of a set, as far as `last`.
-fn whole(values: &Values, last: u32) -> Vec<[u64; 2]> {
+fn whole(values: &Ranges, last: u32) -> Vec<[u64; 2]> {
     let last = f64::from(last);
     let borders = |&[low, high]: &[f64; 2]| [low.ceil().max(0.0), high.floor().min(last)].map(|x| x as i64);
     // One that ends below 0 is inside out then.
     ranges(values.ranges().iter().filter(|[_, high]| *high >= 0.0).map(borders), |x| x as u64)
-}
-
-/// Values that are scaled in the file were rounded when they were typed, and when they were scaled: so many floats
-/// beside a border are on it. Times are as they are.
-const ROUNDED: u64 = 4;
-
-/// Ranges of keys of 64-bit floats.
-fn wide(values: &Values, attribute: &Attribute) -> Vec<[u64; 2]> {
-    let beside = if *attribute == Attribute::GpsTime { 0 } else { ROUNDED };
-    let keys = |&[low, high]: &[f64; 2]| [key_of(low) - beside, key_of(high) + beside];
-    apart(values.ranges().iter().map(keys).collect())
 }
 
 fn of_clause(clause: &Clause, scene: &SceneFacts, place: Place) -> Test {
@@ -223,7 +212,7 @@ fn of_clause(clause: &Clause, scene: &SceneFacts, place: Place) -> Test {
         (attribute, Place::Column { column, version }) => {
             let is_wide = !attribute.is_small();
             let (ranges, last) = if is_wide {
-                (wide(&clause.values, attribute), u64::MAX)
+                (apart(WideKeys::new(attribute, scene).ranges(&clause.values)), u64::MAX)
             } else {
                 let values = whole(&clause.values, u16::MAX.into());
                 (values.iter().map(|range| range.map(|value| value + 1)).collect(), small + 1)

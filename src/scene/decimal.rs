@@ -27,6 +27,19 @@ impl Decimal {
         x.is_finite().then(|| Decimal::of_scientific(&format!("{x:e}"))).flatten()
     }
 
+    /// Of a number as people type it, to its last digit: `-12.50`, `1e-3`. `None` if it is no number, or none that an
+    /// f64 can be near to.
+    pub fn parse(text: &str) -> Option<Decimal> {
+        let near = text.parse::<f64>().ok().filter(|near| near.is_finite())?;
+        if near == 0.0 {
+            // Among them those of which only zeros would be left, such as 1e-999999999.
+            return Some(Decimal::from_integer(0));
+        }
+        let (mantissa, exponent) = text.split_once(['e', 'E']).unwrap_or((text, "0"));
+        let mantissa = mantissa.strip_prefix('+').unwrap_or(mantissa);
+        Decimal::of_scientific(&format!("{mantissa}e{exponent}")).map(Decimal::without_zeros_below)
+    }
+
     pub fn from_integer(n: i128) -> Decimal {
         let digits = n.unsigned_abs().to_string().bytes().rev().map(|b| b - b'0').collect();
         Decimal { negative: n < 0, digits, exponent: 0 }.without_leading_zeros()
@@ -48,6 +61,52 @@ impl Decimal {
         }
         self.negative &= !self.digits.is_empty();
         self
+    }
+
+    /// The same number without the zeros that follow its last other digit: 12.50 is 12.5 then, and 1000 is 1e3.
+    fn without_zeros_below(mut self) -> Decimal {
+        let zeros = self.digits.iter().take_while(|&&digit| digit == 0).count();
+        self.digits.drain(..zeros);
+        self.exponent = if self.digits.is_empty() { 0 } else { self.exponent + zeros as i32 };
+        self
+    }
+
+    /// Which of two numbers is larger; 12.50 and 12.5 are equal, though they are not the same digits.
+    pub fn compare(&self, other: &Decimal) -> Ordering {
+        let difference = self.minus(other);
+        match (difference.digits.is_empty(), difference.negative) {
+            (true, _) => Ordering::Equal,
+            (false, true) => Ordering::Less,
+            (false, false) => Ordering::Greater,
+        }
+    }
+
+    /// The nearest f64.
+    pub fn nearest(&self) -> f64 {
+        self.scientific().parse().unwrap_or(f64::NAN)
+    }
+
+    /// The nearest f32.
+    pub fn nearest_f32(&self) -> f32 {
+        self.scientific().parse().unwrap_or(f32::NAN)
+    }
+
+    /// As Rust reads numbers.
+    fn scientific(&self) -> String {
+        let digits: String = self.digits.iter().rev().map(|digit| char::from(b'0' + digit)).collect();
+        let sign = if self.negative { "-" } else { "" };
+        format!("{sign}0{digits}e{}", self.exponent)
+    }
+
+    /// How many times it holds 10 to the minus `places`; `None` if that is no whole number of 128 bits.
+    fn units(&self, places: i32) -> Option<i128> {
+        if self.exponent < -places {
+            return None;
+        }
+        let digits = self.digits_from(-places);
+        let append = |n: i128, &digit: &u8| n.checked_mul(10)?.checked_add(digit.into());
+        let size = digits.iter().rev().try_fold(0, append)?;
+        Some(if self.negative { -size } else { size })
     }
 
     pub fn times(&self, other: &Decimal) -> Decimal {
@@ -150,9 +209,51 @@ impl Display for Decimal {
     }
 }
 
+/// What whole numbers mean of which a file says a scale and an offset: `scale * n + offset`, of the decimal numbers that
+/// scale and offset are written as. In f64, 0.1 · 10001 − 1000 is 0.1 and something.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scaled {
+    scale: Decimal,
+    offset: Decimal,
+    /// Both in units of the last digit of either, and how many of these are 1.
+    units: Option<(i128, i128, f64)>,
+}
+
+impl Scaled {
+    /// `None` if scale or offset is not finite.
+    pub fn new(scale: f64, offset: f64) -> Option<Scaled> {
+        let (scale, offset) = (Decimal::from_f64(scale)?, Decimal::from_f64(offset)?);
+        let places = scale.places().max(offset.places()) as i32;
+        // Powers of ten that an f64 holds exactly.
+        let units = || (places <= 22).then_some((scale.units(places)?, offset.units(places)?, 10f64.powi(places)));
+        Some(Scaled { units: units(), scale, offset })
+    }
+
+    /// To the last digit.
+    pub fn exact(&self, n: i128) -> Decimal {
+        self.of(&Decimal::from_integer(n))
+    }
+
+    /// The same of a number with a fraction.
+    pub fn of(&self, number: &Decimal) -> Decimal {
+        number.times(&self.scale).plus(&self.offset)
+    }
+
+    /// To the nearest f64.
+    pub fn nearest(&self, n: i128) -> f64 {
+        let short = || {
+            let (scale, offset, per_one) = self.units?;
+            let units = n.checked_mul(scale)?.checked_add(offset)?;
+            // The quotient of two numbers without an error is rounded once.
+            (units.unsigned_abs() <= 1 << 53).then_some(units as f64 / per_one)
+        };
+        short().unwrap_or_else(|| self.exact(n).nearest())
+    }
+}
+
 /// `scale * n + offset`, exactly; `None` if scale or offset is not finite.
 pub fn scaled(n: i128, scale: f64, offset: f64) -> Option<Decimal> {
-    Some(Decimal::from_integer(n).times(&Decimal::from_f64(scale)?).plus(&Decimal::from_f64(offset)?))
+    Some(Scaled::new(scale, offset)?.exact(n))
 }
 
 /// The shortest text that reads back as `x`, without an exponent where that is not too long.
@@ -200,6 +301,56 @@ mod tests {
         assert_eq!((shortest(0.1), shortest(1e300), shortest(-0.0)), ("0.1".into(), "1e300".into(), "-0".into()));
         assert_eq!((shortest_f32(0.1), shortest(f64::from(0.1_f32))), ("0.1".into(), "0.10000000149011612".into()));
         assert_eq!(Decimal::from_f32(0.1).unwrap().to_string(), "0.1");
+    }
+
+    #[test]
+    fn typed_numbers_are_read_to_their_last_digit() {
+        for (typed, written) in [
+            ("-12.50", "-12.5"),
+            ("+7", "7"),
+            ("1e-3", "0.001"),
+            ("1.5E3", "1500"),
+            (".5", "0.5"),
+            ("5.", "5"),
+            ("-0", "0"),
+            ("0.000", "0"),
+            ("9007199254740993", "9007199254740993"),
+            ("0.10000000000000000555111512312578", "0.10000000000000000555111512312578"),
+            ("1e-999999999", "0"),
+        ] {
+            assert_eq!(Decimal::parse(typed).unwrap().to_string(), written);
+        }
+        for wrong in ["", "x", "nan", "inf", "1e999999999", "1,5", "0x10", "1e"] {
+            assert_eq!(Decimal::parse(wrong), None, "{wrong}");
+        }
+        assert_eq!(Decimal::parse("1e3"), Decimal::parse("1000.0"));
+    }
+
+    #[test]
+    fn scaled_numbers_are_rounded_once() {
+        let cases = [(0.1, -1000.0), (0.006, 0.0), (1e-7, 180.0), (-0.5, 1.0), (1.0, 0.0), (3e5, 1e-20), (0.3, 1e300)];
+        for (scale, offset) in cases {
+            let scaled = Scaled::new(scale, offset).unwrap();
+            for n in [0, 1, -1, 10_001, i32::MAX.into(), i64::MIN.into(), u64::MAX.into(), (1 << 53) + 1] {
+                let digits = scaled.exact(n).to_string();
+                assert_eq!(digits.parse(), Ok(scaled.nearest(n)), "{n} · {scale} + {offset}");
+                assert_eq!(digits.parse(), Ok(scaled.exact(n).nearest_f32()));
+            }
+        }
+        assert_eq!(Scaled::new(0.1, -1000.0).unwrap().nearest(10_001), 0.1);
+        assert_eq!(Scaled::new(1.0, f64::INFINITY), None);
+    }
+
+    #[test]
+    fn numbers_are_compared_by_value() {
+        let decimal = |text| Decimal::parse(text).unwrap();
+        let ordered = ["-1e300", "-2", "-1.5", "0", "1e-300", "0.1", "9007199254740992", "9007199254740993", "1e17"];
+        for (i, a) in ordered.iter().enumerate() {
+            for (j, b) in ordered.iter().enumerate() {
+                assert_eq!(decimal(a).compare(&decimal(b)), i.cmp(&j), "{a} {b}");
+            }
+        }
+        assert_eq!(Decimal::from_integer(12).compare(&decimal("12.0")), Ordering::Equal);
     }
 
     proptest::proptest! {
