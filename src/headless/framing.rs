@@ -33,7 +33,7 @@ pub fn default_camera_of(facts: &SceneFacts, first: Option<&PointBatch>, size: [
 /// From the scene towards the eye. Along a section its points would be one line.
 fn direction(clip: &Clip) -> DVec3 {
     let Some(slab) = clip.slab else { return SOUTH_AND_ABOVE };
-    let across = DVec3::from_array(slab.normal);
+    let across = DVec3::from_array(slab.across());
     if across.dot(SOUTH_AND_ABOVE) < 0.0 { -across } else { across }
 }
 

@@ -52,7 +52,7 @@ fn sides(of: &ClipBox, middle: DVec3) -> [HalfSpace; 6] {
 
 /// The two faces of a slab, taken from `middle`.
 fn faces(slab: &Slab, middle: DVec3) -> [HalfSpace; 2] {
-    let across = DVec3::from_array(slab.normal).normalize();
+    let across = DVec3::from_array(slab.across());
     [across, -across].map(|normal| {
         let at = normal.dot(DVec3::from_array(slab.point) - middle);
         HalfSpace { normal, reach: at + 0.5 * slab.thickness }

@@ -94,8 +94,10 @@ impl Values {
         !self.is_in_slots(attribute) && !is_known && scene.files.iter().any(|file| attribute.is_in(file))
     }
 
-    /// Begins to read attributes besides; what was being read so far, and is not complete, is dropped.
+    /// Begins to read attributes besides. What was being read so far, and is not complete, is dropped, unless it goes on:
+    /// then what has come stays, for the same will come again, and only the statistics begin anew.
     pub fn begin_reading(&mut self, attributes: Vec<Attribute>, backend: &mut impl Backend) {
+        self.reading.retain(|attribute| !attributes.contains(attribute));
         self.stop_reading(backend);
         attributes.iter().for_each(|attribute| self.begin(attribute.clone()));
         self.reading = attributes;
@@ -147,7 +149,9 @@ impl Values {
     fn begin(&mut self, attribute: Attribute) {
         let stats = AttributeStats::new(attribute.is_small());
         let wide = self.scene.as_ref().map_or(WideKeys::Doubles, |scene| WideKeys::new(&attribute, scene));
-        let column = ValueColumn { attribute, wide, extent: None, stats, state: State::Arriving, version: 0 };
+        // Batches count on: by its version it is seen that a column has changed.
+        let version = self.column(&attribute).map_or(0, |column| column.version);
+        let column = ValueColumn { attribute, wide, extent: None, stats, state: State::Arriving, version };
         match self.id(&column.attribute) {
             Some(id) => self.columns[id] = column,
             None => self.columns.push(column),

@@ -2,7 +2,9 @@
 //! floating point; whole columns and their pages, values that come late, and values that there are not.
 
 use firstlight::{
-    render::{ColorBy, ColorMap, Coloring, FrameRequest, NO_DATA, Picture, Raster, Tone, palette, table_index},
+    render::{
+        Clip, ColorBy, ColorMap, Coloring, Filter, FrameRequest, NO_DATA, Picture, Raster, Tone, palette, table_index,
+    },
     scene::{Attribute, Attributes, ExtraDimension, ExtraKind, Number, PointBatch, RecordFacts},
 };
 
@@ -281,6 +283,35 @@ fn values_given_up_are_lacking_again() {
         let coloring = by(Attribute::GpsTime);
         let points = with_attributes(&cloud, 0..10_000);
         assert_colors(&picture, &coloring, &Attribute::GpsTime, [scale.low, scale.high], &points, &cloud);
+    }
+}
+
+/// Another attribute joins what is being read: nothing that has come goes, of a colour or of a filter.
+#[test]
+fn values_stay_when_others_are_to_come_with_them() {
+    let cloud = cloud(10_000);
+    let request = unlit(request(&cloud, &cloud.camera(), 2, 20_000));
+    let classes = Attribute::Classification;
+    let filter = Filter { clauses: vec!["class=0..200".parse().unwrap()] };
+    for mut session in Session::all(&cloud, options(4096)) {
+        session.offer(&cloud, 0..cloud.len(), 5000);
+        session.progressive.end_of_input();
+        session.progressive.set_coloring(&Coloring { by: classes.clone().into(), ..Default::default() });
+        session.progressive.begin_values(vec![classes.clone()]);
+        session.progressive.offer_values(&with_attributes(&cloud, 0..4000)).unwrap();
+        session.progressive.set_filter(&filter, &Clip::default());
+        let half = session.converge(&request, |_| ());
+        let shown = session.progressive.wait_for_points_shown().unwrap().unwrap();
+        assert!(shown > 2500 && shown < 4000, "{}: {shown}", session.name);
+        session.progressive.begin_values(vec![Attribute::GpsTime, classes.clone()]);
+        // A filter whose values arrive is brought up to date twice a second.
+        std::thread::sleep(std::time::Duration::from_millis(600));
+        assert_eq!(difference(&half, &session.converge(&request, |_| ())), None, "{}", session.name);
+        assert_eq!(session.progressive.wait_for_points_shown().unwrap(), Some(shown), "{}", session.name);
+        session.progressive.offer_values(&with_attributes(&cloud, 0..10_000)).unwrap();
+        session.progressive.end_values();
+        assert_eq!(session.progressive.stats(&classes).unwrap().total(), 10_000, "counted once");
+        assert_ne!(difference(&half, &session.assert_exact(&request, "all")), None, "the comparison can fail");
     }
 }
 

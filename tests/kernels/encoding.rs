@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use firstlight::{
     render::{
-        Backend, Camera, CpuBackend, FillBudget, FrameRequest, GpuBackend, Picture, Progressive, Raster, Shading,
-        StoreOptions,
+        Backend, Camera, Clip, CpuBackend, FillBudget, Filter, FrameRequest, GpuBackend, Picture, Progressive, Raster,
+        Shading, StoreOptions,
     },
     scene::PointBatch,
     store::{Encoding, Packing},
@@ -26,13 +26,24 @@ struct Loaded {
     pictures: Vec<Picture>,
 }
 
+fn load(backend: GpuBackend, cloud: &Cloud, encoding: Option<Encoding>, page_points: Option<u32>) -> Loaded {
+    load_filtered(backend, cloud, encoding, page_points, &Filter::default())
+}
+
 /// Loads with a moving camera, a frame after each piece of 5,000 points, so that a frame has several insertions.
-fn load(mut backend: GpuBackend, cloud: &Cloud, encoding: Option<Encoding>, page_points: Option<u32>) -> Loaded {
+fn load_filtered(
+    mut backend: GpuBackend,
+    cloud: &Cloud,
+    encoding: Option<Encoding>,
+    page_points: Option<u32>,
+    filter: &Filter,
+) -> Loaded {
     backend.set_encoding(encoding);
     backend.store_mut().set_page_points(page_points);
     let options = StoreOptions { seed: 5, insertion_points: 1777, ..Default::default() };
     let mut progressive = Progressive::new(backend, options);
     progressive.open(Arc::new(cloud.facts.clone()));
+    progressive.set_filter(filter, &Clip::default());
     let request = |camera: &Camera, high_quality| FrameRequest {
         view: camera.view(&cloud.facts.grid, [120, 90], 2).unwrap(),
         fill: FillBudget::Fixed(3000),
@@ -108,6 +119,26 @@ fn a_point_outside_of_the_promised_box_widens_the_store() {
                 let slot = records.iter().position(|&record| record as usize == from).unwrap();
                 assert_eq!(widened.points.positions[slot], cloud.positions()[from], "{case}: neither lost nor moved");
             }
+        }
+    }
+}
+
+/// A filter is asked of the points as they lie in memory: also where they change their place in it while it is set.
+#[test]
+fn a_filter_stays_when_the_store_widens() {
+    let cloud = Cloud::town(20_011).in_random_order().with_outliers(8123, 3001);
+    let filter = Filter { clauses: vec!["elevation=0.5..6".parse().unwrap()] };
+    for raster in [Raster::EarlyZ, Raster::TwoPass32] {
+        for page_points in [None, Some(1000)] {
+            let [Some(wide), Some(auto), Some(unfiltered)] = [gpu(raster), gpu(raster), gpu(raster)] else { return };
+            let wide = load_filtered(wide, &cloud, Some(Encoding::Wide), page_points, &filter);
+            let widened = load_filtered(auto, &cloud, Some(Encoding::Packed), page_points, &filter);
+            let case = format!("{raster}, pages of {page_points:?}");
+            assert_eq!(widened.encoding, Encoding::Wide, "{case}");
+            assert_same(&wide, &widened, &case);
+            let all = load(unfiltered, &cloud, Some(Encoding::Wide), page_points);
+            assert!(covered(&wide.pictures[0]) > 100, "{case}: something is shown");
+            assert!(all.pictures.iter().zip(&wide.pictures).all(|(a, b)| difference(a, b).is_some()), "{case}");
         }
     }
 }

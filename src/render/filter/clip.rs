@@ -54,8 +54,10 @@ pub enum ClipError {
     NoThickness(String),
 }
 
-const BOX: &str = "x0,y0,z0,x1,y1,z1 in the file's coordinates, or these and the degrees that the box is turned by";
-const SLAB: &str = "x,y,z,nx,ny,nz,thickness: a point of the file's coordinates, the direction across, and how thick";
+const BOX: &str =
+    "x0,y0,z0,x1,y1,z1 in the file's coordinates (up to 1e15), or these and the degrees that the box is turned by";
+const SLAB: &str =
+    "x,y,z,nx,ny,nz,thickness: a point of the file's coordinates (up to 1e15), the direction across, and how thick";
 
 impl ClipBox {
     pub fn center(&self) -> [f64; 3] {
@@ -63,9 +65,23 @@ impl ClipBox {
     }
 }
 
+impl Slab {
+    /// The direction across, of length 1.
+    pub fn across(&self) -> [f64; 3] {
+        // Squares of what is very small are 0.
+        let largest = self.normal.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        let normal = self.normal.map(|x| x / largest);
+        let length = normal.iter().map(|x| x * x).sum::<f64>().sqrt();
+        normal.map(|x| x / length)
+    }
+}
+
+/// No number is larger: beyond, an f64 has no more digits for a millimetre, and sums of squares overflow at last.
+const MOST: f64 = 1e15;
+
 /// Numbers with commas between.
 fn numbers(text: &str, expected: &'static str) -> Result<Vec<f64>, ClipError> {
-    let number = |part: &str| part.trim().parse().ok().filter(|number: &f64| number.is_finite());
+    let number = |part: &str| part.trim().parse().ok().filter(|number: &f64| number.abs() <= MOST);
     let numbers: Option<Vec<f64>> = text.split(',').map(number).collect();
     numbers.ok_or_else(|| ClipError::NoNumbers { expected, found: text.into() })
 }
@@ -125,6 +141,17 @@ impl Display for Slab {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn directions_of_any_length_are_the_same() {
+        for length in ["1e-300", "1e-8", "1", "1e15"] {
+            let slab: Slab = format!("1,2,3,0,{length},-{length},1").parse().unwrap();
+            let [x, y, z] = slab.across();
+            assert_eq!((x, y), (0.0, -z), "{length}");
+            assert!((y - 0.5f64.sqrt()).abs() < 1e-15, "{length}: {y}");
+        }
+        assert!("1,2,3,0,0,1e16,1".parse::<Slab>().is_err() && "0,0,0,1e308,1e308,1".parse::<ClipBox>().is_err());
+    }
 
     #[test]
     fn boxes_and_slabs_are_read_as_they_are_written() {

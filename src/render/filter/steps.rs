@@ -45,8 +45,7 @@ fn plane(grid: &Grid, point: [f64; 3], normal: [f64; 3], reach: f64) -> Plane {
 
 /// The slab's two planes.
 pub fn slab(grid: &Grid, slab: &Slab) -> Plane {
-    let length = slab.normal.iter().map(|x| x * x).sum::<f64>().sqrt();
-    plane(grid, slab.point, slab.normal.map(|x| x / length), 0.5 * slab.thickness)
+    plane(grid, slab.point, slab.across(), 0.5 * slab.thickness)
 }
 
 /// The four upright faces of a box that is turned.

@@ -104,7 +104,7 @@ pub fn place_on_box(clip: &ClipBox, handle: Handle) -> DVec3 {
 
 /// Where a handle of the slab is; `bounds` says where the scene is.
 pub fn place_on_slab(slab: &Slab, handle: Handle, bounds: &Bounds) -> DVec3 {
-    let normal = DVec3::from_array(slab.normal).normalize();
+    let normal = DVec3::from_array(slab.across());
     // The slab's point may be anywhere on its planes; handles are where the scene is.
     let center = DVec3::from_array(bounds.center());
     let middle = center - normal * (center - DVec3::from_array(slab.point)).dot(normal);
@@ -229,7 +229,7 @@ pub fn drag_box(clip: &ClipBox, handle: Handle, drag: &Drag, bounds: &Bounds) ->
 
 /// The slab as it was when the drag began, after it.
 pub fn drag_slab(slab: &Slab, handle: Handle, drag: &Drag, bounds: &Bounds) -> Slab {
-    let normal = DVec3::from_array(slab.normal).normalize();
+    let normal = DVec3::from_array(slab.across());
     let at = place_on_slab(slab, handle, bounds);
     let out = || Some(along(at, normal, drag.to)? - along(at, normal, drag.from)?);
     let shifted = |by: f64| (DVec3::from_array(slab.point) + normal * by).into();
