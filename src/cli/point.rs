@@ -47,6 +47,11 @@ pub fn run(args: PointArgs) -> Result<ExitStatus, CliError> {
         let record = PointRecord::read_from(&file, record, &never)?;
         Ok(Some(Sheet { fields: record.fields(), card: record.card() }))
     };
+    // Before a file is read to its end.
+    if let Some(range) = args.records.iter().find(|range| *range.end() >= file.points()) {
+        let (path, record, points) = (file.path().to_owned(), *range.end(), file.points());
+        return Err(RecordError::OutOfRange { path, record, points }.into());
+    }
     let sheets: Result<Vec<_>, RecordError> = args.records.into_iter().flatten().map(read).collect();
     print(&args.form.text(&sheets?))?;
     Ok(ExitStatus::Ok)

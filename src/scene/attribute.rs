@@ -77,7 +77,8 @@ impl Attribute {
             Attribute::ReturnNumber | Attribute::NumberOfReturns => Some([0.0, 15.0]),
             Attribute::LastReturn => Some([0.0, 1.0]),
             Attribute::Intensity | Attribute::PointSource => Some([0.0, 65_535.0]),
-            Attribute::ScanAngle => Some([-180.0, 180.0]),
+            // Steps of 0.006° in 16 bits; LAS allows no more than half a turn, but files have it.
+            Attribute::ScanAngle => Some([-196.608, 196.602]),
             Attribute::Elevation | Attribute::GpsTime | Attribute::File | Attribute::Extra(_) => None,
         }
     }

@@ -241,13 +241,15 @@ impl Scaled {
 
     /// To the nearest f64.
     pub fn nearest(&self, n: i128) -> f64 {
-        let short = || {
-            let (scale, offset, per_one) = self.units?;
-            let units = n.checked_mul(scale)?.checked_add(offset)?;
-            // The quotient of two numbers without an error is rounded once.
-            (units.unsigned_abs() <= 1 << 53).then_some(units as f64 / per_one)
-        };
-        short().unwrap_or_else(|| self.exact(n).nearest())
+        self.short(n).unwrap_or_else(|| self.exact(n).nearest())
+    }
+
+    /// The same where no long arithmetic is needed.
+    pub fn short(&self, n: i128) -> Option<f64> {
+        let (scale, offset, per_one) = self.units?;
+        let units = n.checked_mul(scale)?.checked_add(offset)?;
+        // The quotient of two numbers without an error is rounded once.
+        (units.unsigned_abs() <= 1 << 53).then_some(units as f64 / per_one)
     }
 }
 

@@ -241,6 +241,8 @@ impl App {
                 }
                 Err(error) => self.messages.add(Severity::Error, scene_state::sentence(&error)),
             }
+            // The window shows its own picture again.
+            self.advance(ctx);
             ctx.request_repaint();
         }
         let Some(result) = self.writing.as_ref().and_then(Writing::answer) else { return };

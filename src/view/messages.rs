@@ -94,7 +94,13 @@ impl Messages {
             Severity::Error => self.entries.push_front(entry),
             Severity::Note | Severity::Done => self.entries.push_back(entry),
         }
-        self.entries.truncate(KEPT);
+        if self.entries.len() > KEPT {
+            // What another scene said, else the oldest note, else the oldest error.
+            let past = self.entries.iter().position(|entry| entry.is_past);
+            let note = || self.entries.iter().position(|entry| entry.severity != Severity::Error);
+            let oldest = past.or_else(note).unwrap_or(KEPT);
+            self.entries.remove(oldest);
+        }
     }
 
     /// All that a reader's report has to say.

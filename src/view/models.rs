@@ -135,6 +135,8 @@ struct Key {
     coloring: Coloring,
     sections: [bool; 2],
     cannot_average: bool,
+    /// A button of the mouse is held.
+    held: bool,
     reading: Option<u64>,
     versions: Vec<Option<u64>>,
 }
@@ -160,6 +162,7 @@ impl Spread {
             coloring: settings.look.coloring.clone(),
             sections: [Section::Color, Section::Filter].map(|section| settings.shows(section)),
             cannot_average: is_high && !progressive.can_average(),
+            held: ctx.input(|i| i.pointer.any_down()),
             // In steps that a bar shows.
             reading: scene.rereading.progress().map(|(_, points)| points * 200 / facts.points_in_header().max(1)),
             versions: all.iter().map(|a| progressive.column_of(a).map(|(_, version)| version)).collect(),
@@ -173,10 +176,9 @@ impl Spread {
         if is_same && !left.is_zero() {
             return ctx.request_repaint_after(left);
         }
-        // Under a hand that drags the range, the histogram stays as it is.
-        let held =
-            self.key.as_ref().is_some_and(|k| k.coloring.by == key.coloring.by) && ctx.input(|i| i.pointer.any_down());
-        let extent = self.colors.extent.filter(|_| held);
+        // Under a hand that drags the range, the histogram stays as it is, until it lets go.
+        let is_held = key.held && self.key.as_ref().is_some_and(|k| k.coloring.by == key.coloring.by);
+        let extent = self.colors.extent.filter(|_| is_held);
         self.colors = colors(scene, facts, &all, settings, extent);
         self.filters = if key.sections[1] {
             filters(scene, facts, &all, &settings.look.coloring, shown)

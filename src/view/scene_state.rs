@@ -120,13 +120,14 @@ impl SceneState {
             return self.start(ctx, inputs, false, Vec::new(), settings);
         }
         // What was asked for last counts, on screen or not yet.
-        let (mut all, closed) = match self.incoming.take() {
-            Some(incoming) => (incoming.inputs, incoming.closed),
-            None => (self.inputs.clone(), Vec::new()),
+        let (mut all, mut closed, keeps_view) = match self.incoming.take() {
+            Some(incoming) => (incoming.inputs, incoming.closed, incoming.keeps_view),
+            None => (self.inputs.clone(), Vec::new(), true),
         };
+        closed.retain(|path| !inputs.contains(path));
         let others: Vec<PathBuf> = inputs.into_iter().filter(|input| !all.contains(input)).collect();
         all.extend(others);
-        self.start(ctx, all, true, closed, settings);
+        self.start(ctx, all, keeps_view, closed, settings);
     }
 
     /// Takes one file away; the others are read anew.
@@ -134,6 +135,8 @@ impl SceneState {
         let Some(scene) = self.loading.as_ref().and_then(Loading::scene) else { return };
         let Some(path) = scene.files.get(file).map(|file| file.path.clone()) else { return };
         let (asked, mut closed) = match self.incoming.as_ref() {
+            // All that is on screen is about to go.
+            Some(incoming) if !incoming.keeps_view => return,
             Some(incoming) => (&incoming.inputs, incoming.closed.clone()),
             None => (&self.inputs, Vec::new()),
         };
@@ -201,7 +204,9 @@ impl SceneState {
                 self.asked.clear();
                 self.undrawable = None;
                 self.last_report = None;
-                self.shot = None;
+                if self.incoming.as_ref().is_some_and(|incoming| !incoming.keeps_view) && self.shot.take().is_some() {
+                    messages.add(Severity::Note, "Another scene has come before the picture of the last one was taken");
+                }
                 if let Some(Incoming { loading, inputs, keeps_view, .. }) = self.incoming.take() {
                     if let Some(before) = self.navigation.as_ref().filter(|_| keeps_view) {
                         navigation.set_camera(*before.camera());
@@ -341,14 +346,22 @@ impl SceneState {
     }
 
     /// The picture that was asked for, once it can be taken: then all points stored are drawn for it, whatever the
-    /// window shows meanwhile.
+    /// window shows meanwhile, unless that is the same picture. The next frame is to be drawn before anything asks what
+    /// the window shows.
     pub fn take_shot(&mut self, settings: &Settings) -> Option<(Shot, Result<Picture, String>)> {
         let wait = self.shot.as_ref()?.options.wait;
         if wait && (self.is_loading() || self.rereading.progress().is_some()) {
             return None;
         }
         let shot = self.shot.take()?;
-        let picture = self.whole_picture(settings, &shot);
+        let is_on_screen = self.last_report.is_some_and(|report| report.is_converged())
+            && self.picture().is_some_and(|(_, size)| size == shot.options.size)
+            && self.navigation.as_ref().is_some_and(|navigation| *navigation.camera() == shot.camera);
+        let picture = if is_on_screen {
+            self.progressive.read().map_err(|error| error.to_string())
+        } else {
+            self.whole_picture(settings, &shot)
+        };
         Some((shot, picture))
     }
 

@@ -13,7 +13,7 @@ use firstlight::{
 };
 use naga::valid::Capabilities;
 
-use crate::wgsl::{capabilities, validate};
+use crate::wgsl::{capabilities, translate, validate};
 
 #[test]
 fn all_modules_are_valid() {
@@ -23,6 +23,20 @@ fn all_modules_are_valid() {
         .filter_map(|(shader, encoding)| {
             let invalid = validate(&shader.source_in(encoding), capabilities(shader.needs)).err()?;
             Some(format!("{}, {}:\n{invalid}", shader.name, encoding.name()))
+        })
+        .collect();
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
+}
+
+/// Metal and DX12 are not there where tests run; their languages are.
+#[test]
+fn all_modules_are_translated_for_every_api() {
+    let failures: Vec<_> = shaders::ALL
+        .iter()
+        .flat_map(|shader| [Encoding::Wide, Encoding::Packed].map(|encoding| (shader, encoding)))
+        .filter_map(|(shader, encoding)| {
+            let failure = translate(&shader.source_in(encoding), capabilities(shader.needs)).err()?;
+            Some(format!("{}, {}: {failure}", shader.name, encoding.name()))
         })
         .collect();
     assert!(failures.is_empty(), "{}", failures.join("\n"));

@@ -13,7 +13,7 @@ use firstlight::{
 };
 use naga::valid::Capabilities;
 
-use crate::wgsl::{capabilities, validate};
+use crate::wgsl::{capabilities, translate, validate};
 
 const ENCODINGS: [Encoding; 2] = [Encoding::Wide, Encoding::Packed];
 
@@ -24,12 +24,17 @@ fn all_kernels_are_valid_in_both_encodings() {
         for (encoding, launch) in ENCODINGS.iter().flat_map(|&e| [(e, Launch::PLAIN), (e, Launch::tuned(e))]) {
             match validate(&kernel.source(encoding, launch), capabilities(kernel.needs)) {
                 Err(error) => failures.push(format!("{} {encoding:?}:\n{error}", kernel.name)),
-                Ok(module) => assert!(
-                    module.entry_points.iter().any(|entry| entry.name == kernel.entry),
-                    "{} has an entry point {}",
-                    kernel.name,
-                    kernel.entry
-                ),
+                Ok(module) => {
+                    if let Err(error) = translate(&kernel.source(encoding, launch), capabilities(kernel.needs)) {
+                        failures.push(format!("{} {encoding:?}: {error}", kernel.name));
+                    }
+                    assert!(
+                        module.entry_points.iter().any(|entry| entry.name == kernel.entry),
+                        "{} has an entry point {}",
+                        kernel.name,
+                        kernel.entry
+                    );
+                }
             }
         }
     }

@@ -208,7 +208,7 @@ mod tests {
             ("user-data=256", "0 to 255"),
             ("source=65536", "0 to 65535"),
             ("intensity=..65536", "0 to 65535"),
-            ("scan-angle=-180.006..", "scan-angle: values are -180 to 180, found -180.006"),
+            ("scan-angle=-200..", "scan-angle: values are -196.608 to 196.602, found -200"),
         ] {
             let message = typed.parse::<Clause>().unwrap_err().to_string();
             assert!(message.contains(hint) && !message.contains('\n'), "{typed}: {message}");

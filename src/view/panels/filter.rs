@@ -159,8 +159,12 @@ fn range(ui: &mut Ui, attribute: &Attribute, extent: Option<[f64; 2]>, filter: &
         let speed = ((high - low) / 300.0).max(1e-6);
         ui.horizontal(|ui| {
             for (at, name) in ["from", "to"].into_iter().enumerate() {
-                let field =
-                    ui.add(DragValue::new(&mut range[at]).speed(speed).max_decimals(6).prefix(format!("{name} ")));
+                let mut field = DragValue::new(&mut range[at]).speed(speed).prefix(format!("{name} "));
+                field = field.max_decimals(if *attribute == Attribute::Intensity { 0 } else { 6 });
+                if let Some([least, most]) = attribute.limits() {
+                    field = field.range(least..=most);
+                }
+                let field = ui.add(field);
                 field.widget_info(|| {
                     WidgetInfo::labeled(eframe::egui::Role::SpinButton, true, format!("{title} {name}"))
                 });

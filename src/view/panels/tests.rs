@@ -523,7 +523,10 @@ fn the_cheat_sheet_fits_into_any_window() {
         let close = harness.get_by_label("Close").rect();
         assert!(window.contains_rect(close), "{close:?} in {size}");
         for row in crate::view::keys::ROWS {
-            for label in harness.query_all_by_label(row.what).chain(harness.query_all_by_label(row.keys)) {
+            let labels: Vec<_> =
+                harness.query_all_by_label(row.what).chain(harness.query_all_by_label(row.keys)).collect();
+            assert!(labels.len() > 1 || size.x < 1280.0, "{} is missing", row.keys);
+            for label in labels {
                 let rect = label.rect();
                 assert!(rect.left() >= 0.0 && rect.right() <= size.x, "{} at {rect:?} in {size}", row.keys);
             }

@@ -168,7 +168,7 @@ fn draw_box(sheet: &Sheet<'_>, clip: &ClipBox) {
 
 /// Of both of its planes, as far as they are in the scene.
 fn slab_outlines(slab: &Slab, bounds: &Bounds) -> [Vec<DVec3>; 2] {
-    let normal = DVec3::from_array(slab.normal).normalize();
+    let normal = DVec3::from_array(slab.across());
     [-0.5, 0.5].map(|side| {
         let point = DVec3::from_array(slab.point) + normal * (side * slab.thickness);
         plane_outline(point, normal, bounds)
