@@ -51,10 +51,13 @@ fn in_motion(session: &mut Session, cloud: &Cloud, request: impl Fn(usize) -> Fr
     pictures
 }
 
-/// Pixels that differ by more than one level of lighting, whose logarithms devices round as they like.
+/// Pixels that differ by more than one level of lighting, whose logarithms devices round as they like, or in a depth by
+/// more than a part in a million, as their quotients do (without that, 286 of 5,917 pixels differ on an H100).
 fn unlike(a: &Picture, b: &Picture) -> usize {
     let near = |a: [u8; 4], b: [u8; 4]| a.iter().zip(b).all(|(a, b)| a.abs_diff(b) <= 1);
-    let same = |&p: &usize| a.records[p] == b.records[p] && a.depth[p] == b.depth[p] && near(a.rgba[p], b.rgba[p]);
+    let as_far = |a: f32, b: f32| a == b || (a - b).abs() <= 1e-6 * a.abs();
+    let same =
+        |&p: &usize| a.records[p] == b.records[p] && as_far(a.depth[p], b.depth[p]) && near(a.rgba[p], b.rgba[p]);
     (0..a.records.len()).filter(|p| !same(p)).count()
 }
 
@@ -78,6 +81,7 @@ fn every_projection_and_size_is_exact() {
                     for (step, (picture, expected)) in pictures.iter().zip(expected).enumerate() {
                         let off = unlike(picture, expected);
                         let allowed = if is_exact { 0 } else { picture.records.len() / 50 };
+                        assert!(!is_exact || picture.depth == expected.depth, "{}, {what}: depths", session.name);
                         assert!(off <= allowed, "{}, {what}: {off} pixels in frame {step}", session.name);
                     }
                     let differ = unlike(&pictures[0], &expected[1]);
@@ -258,6 +262,7 @@ fn holes_are_filled_alike_and_change_colours_only() {
                     let is_exact = info.api == "cpu" || info.adapter.starts_with("llvmpipe");
                     let off = unlike(&filled, expected);
                     let allowed = if is_exact { 0 } else { expected.records.len() / 50 };
+                    assert!(!is_exact || filled.depth == expected.depth, "{}: depths", session.name);
                     assert!(off <= allowed, "{}: {off} pixels", session.name);
                     assert!(unlike(&open, expected) > 50, "the comparison can fail");
                 }
