@@ -120,10 +120,6 @@ impl App {
         if let (true, Some(before), Some(now)) = (keeps_view, &before, self.scene.facts()) {
             self.touch = touch.in_scene(before, now);
         }
-        if let Some(navigation) = self.scene.navigation.as_mut().filter(|_| !keeps_view) {
-            navigation.cover(covered_below(ctx, &self.settings));
-            navigation.home();
-        }
         // What the command line gave is meant for the first one.
         if let Some(before) = before {
             if keeps_view {
@@ -133,6 +129,11 @@ impl App {
             }
         }
         self.leave_absent_colors();
+        if let Some(navigation) = self.scene.navigation.as_mut().filter(|_| !keeps_view) {
+            navigation.cover(covered_below(ctx, &self.settings));
+            navigation.follow_clip(&self.settings.look.clip);
+            navigation.home();
+        }
         let first = self.first_file();
         if let Some(file) = first.as_ref().filter(|file| !keeps_view || self.bookmarked.as_ref() != Some(file)) {
             self.touch.hand.bookmarks.merge(self.remembered.bookmarks_of(file));

@@ -118,6 +118,7 @@ impl Touch {
         let facts = scene.facts().cloned();
         if let (Some(navigation), Some(facts)) = (&mut scene.navigation, &facts) {
             let cursor = picture.map_or(DVec2::ZERO, |picture| self.hand.cursor(ctx, picture, navigation));
+            navigation.follow_clip(&settings.look.clip);
             self.hand.obey(command, ctx, navigation, cursor, settings.smooth);
             self.tools.obey(command, ctx, facts, cursor, &mut settings.look.clip);
         }

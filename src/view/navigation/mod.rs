@@ -14,7 +14,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use glam::{DVec2, DVec3};
 
 use crate::{
-    render::{Camera, Projection, SOUTH_AND_ABOVE},
+    render::{self, Camera, Clip, Projection, SOUTH_AND_ABOVE},
     scene::{Bounds, Grid},
 };
 
@@ -61,6 +61,8 @@ pub struct Navigation {
     camera: Camera,
     grid: Grid,
     bounds: Bounds,
+    /// What a clipping box and a slab leave of it: what standard views show.
+    shown: Bounds,
     /// Of the picture, in pixels.
     size: DVec2,
     /// Pixels at its lower edge that something lies over: views of all of the scene leave them out.
@@ -73,7 +75,7 @@ impl Navigation {
         let bounds = representable(bounds, &grid);
         let size = pixels(size);
         let camera = Camera::fit(&bounds, &grid, size.x / size.y);
-        let mut navigation = Navigation { camera, grid, bounds, size, covered_below: 0.0 };
+        let mut navigation = Navigation { camera, grid, bounds, shown: bounds, size, covered_below: 0.0 };
         navigation.pull_in();
         navigation
     }
@@ -101,6 +103,11 @@ impl Navigation {
         self.size
     }
 
+    /// Standard views show what is left of the scene from now on.
+    pub fn follow_clip(&mut self, clip: &Clip) {
+        self.shown = render::clipped(&self.bounds, clip).unwrap_or(self.bounds);
+    }
+
     /// Shows all of the box from the usual direction.
     pub fn home(&mut self) {
         self.look_from(SOUTH_AND_ABOVE);
@@ -112,7 +119,7 @@ impl Navigation {
             return;
         }
         let (aspect, projection) = (self.size.x / self.size.y, self.camera.projection);
-        self.camera = Camera::fit_as(&self.bounds, &self.grid, aspect, from, projection);
+        self.camera = Camera::fit_as(&self.shown, &self.grid, aspect, from, projection);
         if self.covered_below > 0.0 {
             self.camera = self.fitted_above(self.covered_below / self.size.y);
         }
@@ -133,8 +140,8 @@ impl Navigation {
         let half = (1.0 - middle) / FIT_MARGIN;
         let (above, below) = (tan * (half + middle), tan * (half - middle));
         let beside = tan * self.size.x / self.size.y / FIT_MARGIN;
-        let center = DVec3::from_array(self.bounds.center());
-        let corners = box_corners(&self.bounds).map(|corner| corner - center);
+        let center = DVec3::from_array(self.shown.center());
+        let corners = box_corners(&self.shown).map(|corner| corner - center);
         // Without perspective it is the same at every depth.
         let slope = if self.is_flat() { 0.0 } else { 1.0 };
         let fit_axis = |axis: DVec3, plus: f64, minus: f64| {

@@ -1,4 +1,5 @@
 use super::*;
+use crate::render::ClipBox;
 
 const SIZE: [u32; 2] = [1280, 800];
 
@@ -146,6 +147,30 @@ fn looking_around_keeps_the_eye_and_follows_the_hand() {
     assert_eq!(n.eye(), eye);
     assert!((n.distance() / distance - 1.0).abs() < 1e-6 && n.axes().up.z > -1e-9);
     assert_usable(&n);
+}
+
+/// Of a clipped scene all that is left is shown, and as large as that allows.
+#[test]
+fn standard_views_show_what_a_clipping_box_leaves() {
+    let mut n = town();
+    n.home();
+    let whole = n.distance();
+    let (min, size) =
+        (DVec3::from_array(n.bounds.min), DVec3::from_array(n.bounds.max) - DVec3::from_array(n.bounds.min));
+    let [low, high] = [0.4, 0.6].map(|share| min + size * share);
+    n.follow_clip(&Clip { bounds: Some(ClipBox { min: low.into(), max: high.into(), degrees: 0.0 }), slab: None });
+    for view in [StandardView::Fit, StandardView::Top, StandardView::Front] {
+        n.show(view);
+        assert!(n.distance() < 0.4 * whole, "{view:?}: {} of {whole}", n.distance());
+        for corner in 0..8 {
+            let side = |a: usize| if corner >> a & 1 == 0 { low[a] } else { high[a] };
+            let at = pixel(&n, DVec3::new(side(0), side(1), side(2)));
+            assert!(at.cmpge(DVec2::ZERO).all() && at.cmplt(n.size).all(), "{view:?}: {at}");
+        }
+    }
+    n.follow_clip(&Clip::default());
+    n.home();
+    assert_eq!(n.distance(), whole);
 }
 
 #[test]
