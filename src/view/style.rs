@@ -13,6 +13,10 @@ pub fn readable(style: &mut Style) {
     visuals.widgets.noninteractive.fg_stroke.color = gray(text);
     visuals.weak_text_color = Some(gray(weak));
     visuals.widgets.inactive.bg_stroke = Stroke::new(1.0, gray(edge));
+    if !visuals.dark_mode {
+        // The rail of a slider, which has no edge: egui's 230 is the bar's own colour.
+        visuals.widgets.inactive.bg_fill = gray(185);
+    }
     (visuals.warn_fg_color, visuals.error_fg_color) = if visuals.dark_mode {
         (Color32::from_rgb(255, 160, 40), Color32::from_rgb(255, 125, 115))
     } else {
