@@ -24,7 +24,7 @@ struct ValueColumn {
     attribute: Attribute,
     /// What its keys mean, where they are wide.
     wide: WideKeys,
-    /// Smallest and largest of these keys.
+    /// Smallest and largest of these keys, where [`WideKeys::needs_extent`].
     extent: Option<[u64; 2]>,
     stats: AttributeStats,
     state: State,
@@ -208,9 +208,14 @@ impl Values {
                 Keys::Small(keys) => column.stats.add_small(keys),
                 Keys::Wide(keys) => {
                     column.stats.add_wide(keys, |key| column.wide.value(key));
-                    let known =
-                        || keys.iter().copied().filter(|&key| key != 0).chain(column.extent.into_iter().flatten());
-                    column.extent = known().min().zip(known().max()).map(|(low, high)| [low, high]);
+                    if column.wide.needs_extent() {
+                        let with = |all: Option<[u64; 2]>, &key: &u64| match all {
+                            _ if key == 0 => all,
+                            Some([low, high]) => Some([low.min(key), high.max(key)]),
+                            None => Some([key; 2]),
+                        };
+                        column.extent = keys.iter().fold(column.extent, with);
+                    }
                 }
             }
             column.version += 1;

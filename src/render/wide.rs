@@ -102,6 +102,11 @@ impl WideKeys {
         is_coarse.then(|| spread(first.into(), &scale.beyond_low()))
     }
 
+    /// Whether [`WideKeys::thresholds_between`] may be asked: of other keys nobody has to know the first and the last.
+    pub fn needs_extent(&self) -> bool {
+        matches!(self, WideKeys::Integers(_))
+    }
+
     /// What gives the keys of an extra dimension's numbers in one file.
     pub fn of_extra<'a>(&'a self, file: &'a FileFacts, name: &str) -> Option<impl Fn(&[u8]) -> u64 + 'a> {
         let (dimension, element) = file.record.extra(name)?;

@@ -1,7 +1,7 @@
 //! What a frame of the window does: take points, move the camera, draw, say what is on screen.
 
 use std::{
-    path::{Path, PathBuf},
+    path::PathBuf,
     time::{Duration, Instant},
 };
 
@@ -33,8 +33,8 @@ use super::{
 };
 use crate::{
     headless,
-    render::{self, Backend, Camera, ColorBy, FillBudget, GpuBackend, Picture, RenderError, Sheet},
-    scene::{FileFacts, SceneFacts},
+    render::{self, Backend, Camera, ColorBy, FillBudget, GpuBackend, Look, Picture, RenderError, Sheet},
+    scene::SceneFacts,
 };
 
 /// Frames that the device takes to tell how many points are shown: one to copy the number, one to read it.
@@ -129,6 +129,9 @@ impl App {
             }
         }
         self.leave_absent_colors();
+        if let Some(doubt) = self.scene.facts().and_then(|facts| self.settings.look.point_size.doubt(facts)) {
+            self.messages.add(Severity::Note, scene_state::sentence(&doubt));
+        }
         if let Some(navigation) = self.scene.navigation.as_mut().filter(|_| !keeps_view) {
             navigation.cover(covered_below(ctx, &self.settings));
             navigation.follow_clip(&self.settings.look.clip);
@@ -147,16 +150,14 @@ impl App {
     /// now.
     fn follow_files(&mut self, before: &SceneFacts) {
         let Some(facts) = self.scene.facts() else { return };
-        let is_gone = |file: &FileFacts| facts.files.iter().all(|other| other.path != file.path);
-        let number_of = |path: &Path| facts.files.iter().position(|file| file.path == path);
-        let colors = std::mem::take(&mut self.settings.look.coloring.files).into_iter();
-        let colors = colors.filter_map(|(number, color)| Some((number_of(&before.files.get(number)?.path)?, color)));
-        self.settings.look.coloring.files = colors.collect();
-        let mut left = before.files.len();
-        for (number, _) in before.files.iter().enumerate().rev().filter(|(_, file)| is_gone(file)) {
-            panels::files::forget_file(&mut self.settings.look.filter, left, number);
-            left -= 1;
-        }
+        let number_now = |number: usize| {
+            let path = &before.files.get(number)?.path;
+            facts.files.iter().position(|file| file.path == *path)
+        };
+        let Look { filter, coloring, .. } = &mut self.settings.look;
+        let colors = std::mem::take(&mut coloring.files).into_iter();
+        coloring.files = colors.filter_map(|(number, color)| Some((number_now(number)?, color))).collect();
+        panels::files::renumber(filter, before.files.len(), number_now);
     }
 
     /// Colours that no file of this scene has are those of another one.

@@ -62,13 +62,7 @@ pub fn stacked(points: usize) -> Cloud {
 
 /// From the south and above; the whole of [`cube`] is in the picture.
 pub fn overview(size: [u32; 2]) -> View {
-    let camera = Camera {
-        eye: [3.001_5, -25.0, 11.0],
-        target: [0.0; 3],
-        up: [0.0, 0.0, 1.0],
-        fov_y_deg: 60.0,
-        ..Default::default()
-    };
+    let camera = Camera { eye: [3.001_5, -25.0, 11.0], ..Default::default() };
     camera.view(&GRID, size, 1).unwrap()
 }
 

@@ -169,13 +169,7 @@ mod tests {
     }
 
     fn view(size: [u32; 2], point_size: u32) -> View {
-        let camera = Camera {
-            eye: [0.0, -10.0, 0.0],
-            target: [0.0; 3],
-            up: [0.0, 0.0, 1.0],
-            fov_y_deg: 60.0,
-            ..Default::default()
-        };
+        let camera = Camera { eye: [0.0, -10.0, 0.0], ..Default::default() };
         camera.view(&Grid { scale: [0.01; 3], origin: [0.0; 3] }, size, point_size).unwrap()
     }
 

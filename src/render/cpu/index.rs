@@ -54,13 +54,7 @@ mod tests {
     #[test]
     fn lists_each_visible_slot_once() {
         let grid = Grid { scale: [0.01; 3], origin: [0.0; 3] };
-        let camera = Camera {
-            eye: [0.0, -10.0, 0.0],
-            target: [0.0; 3],
-            up: [0.0, 0.0, 1.0],
-            fov_y_deg: 60.0,
-            ..Default::default()
-        };
+        let camera = Camera { eye: [0.0, -10.0, 0.0], ..Default::default() };
         let noise = |i: u32, k: u32| ((i.wrapping_mul(0x9E37_79B9) ^ k).wrapping_mul(0x85EB_CA6B) >> 12) as i32;
         let sizes = (1..=8).map(PointWidth::Pixels).chain([0.1, 0.5, 1e6].map(PointWidth::World));
         for point_size in sizes {

@@ -283,11 +283,10 @@ fn recent(ui: &mut Ui, files: &Files, typed: &Typed, requests: &mut Vec<Request>
     .on_hover_text("What was opened before");
 }
 
-/// One of so many files goes: those behind it have other numbers from now on.
-pub fn forget_file(filter: &mut Filter, files: usize, gone: usize) {
-    let (files, gone) = (files as u32, gone as u32);
-    let hidden = (0..files).filter(|&file| file != gone && !ticks::is_shown(filter, &Attribute::File, file));
-    let hidden: Vec<u32> = hidden.map(|file| file - u32::from(file > gone)).collect();
+/// Of so many files those that were hidden stay so, by the numbers that they have now; some may be gone.
+pub fn renumber(filter: &mut Filter, files: usize, number_now: impl Fn(usize) -> Option<usize>) {
+    let hidden = (0..files).filter(|&file| !ticks::is_shown(filter, &Attribute::File, file as u32));
+    let hidden: Vec<u32> = hidden.filter_map(&number_now).map(|number| number as u32).collect();
     ticks::hide(filter, &Attribute::File, hidden);
 }
 
@@ -296,14 +295,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn hidden_files_stay_hidden_when_another_is_closed() {
+    fn hidden_files_stay_hidden_when_others_come_and_go() {
         let mut filter = Filter::default();
         ticks::hide(&mut filter, &Attribute::File, [1, 3]);
-        forget_file(&mut filter, 4, 0);
-        let shown: Vec<bool> = (0..3).map(|i| ticks::is_shown(&filter, &Attribute::File, i)).collect();
-        assert_eq!(shown, [false, true, false]);
-        forget_file(&mut filter, 3, 2);
-        forget_file(&mut filter, 2, 0);
+        let shown = |filter: &Filter| (0..4).map(|i| ticks::is_shown(filter, &Attribute::File, i)).collect::<Vec<_>>();
+        // The first one goes, and another comes before the last.
+        renumber(&mut filter, 4, |file| [None, Some(0), Some(1), Some(3)][file]);
+        assert_eq!(shown(&filter), [false, true, true, false]);
+        renumber(&mut filter, 4, |file| file.checked_sub(1).filter(|&file| file < 2));
         assert!(filter.clauses.is_empty());
     }
 }
