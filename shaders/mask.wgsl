@@ -1,5 +1,4 @@
-// Which points of the bound page a filter hides by what is with the points, from integers alone. `from_span` does all
-// slots of a range and those before it in its first word, `from_list` those of a list, among others that stay.
+// Which points of the bound page a filter hides by what is with the points, from integers alone.
 // Twin: `MaskRules::show` in src/render/filter/rules.rs.
 fn magnitude(a: u32) -> u32 {
     return select(a, 0u - a, a >= HIGHEST_BIT);
@@ -38,47 +37,17 @@ fn key_of(test: u32, local: u32) -> vec2<u32> {
     }
 }
 
-// `local` counts from the page's first slot.
-fn passes(local: u32) -> bool {
+// All bits are made anew.
+const KEEPS_BITS: bool = false;
+
+fn hides(local: u32) -> bool {
     for (var t = 0u; t < rules[0]; t++) {
         let test = FIRST_TEST + RULE_WORDS * t;
         if !is_in_range(test, key_of(test, local)) {
-            return false;
+            return true;
         }
     }
-    return true;
-}
-
-@compute @workgroup_size(256)
-fn from_span(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
-    let first = span.first - page.first;
-    let local = (first & ~31u) + line_index(group, groups, thread);
-    let is_there = local < first + span.count;
-    if is_there && !passes(local) {
-        atomicOr(&bits[thread / 32u], 1u << (thread % 32u));
-    }
-    workgroupBarrier();
-    if is_there && thread % 32u == 0u {
-        atomicStore(&hidden[local / 32u], atomicLoad(&bits[thread / 32u]));
-    }
-}
-
-@compute @workgroup_size(256)
-fn from_list(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
-    let i = line_index(group, groups, thread);
-    if i >= list_count.x {
-        return;
-    }
-    let local = list[i] - page.first;
-    if local >= page.len {
-        return;
-    }
-    let bit = 1u << (local % 32u);
-    if passes(local) {
-        atomicAnd(&hidden[local / 32u], ~bit);
-    } else {
-        atomicOr(&hidden[local / 32u], bit);
-    }
+    return false;
 }
 
 // Adds up the bits.

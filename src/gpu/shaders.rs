@@ -184,8 +184,8 @@ shader!(
     "span"
 );
 shader!(HARDWARE, NOTHING, "page", "project", "points", "hidden", "hardware");
-shader!(MASK, NOTHING, "group", "page", "points", "mask_rules", "mask");
-shader!(MASK_COLUMN, NOTHING, "group", "page", "mask_rules", "mask_column");
+shader!(MASK, NOTHING, "group", "page", "points", "mask_rules", "mask", "mask_write");
+shader!(MASK_COLUMN, NOTHING, "group", "page", "mask_rules", "mask_column", "mask_write");
 shader!(INDEX, NOTHING, "group", "project", "index");
 shader!(RESOLVE, NOTHING, "group", "page", "project", "points", "color", "resolve");
 shader!(AVERAGE_32, NOTHING, "group", "page", "project", "points", "color", "sums_32", "hidden", "average");
